@@ -25,15 +25,6 @@ std::vector<BenchmarkRobot> allRobots() {
   return robots;
 }
 
-std::vector<std::pair<BenchmarkRobot, double>> robotsWith(
-    const std::vector<double>& decelerations) {
-  std::vector<std::pair<BenchmarkRobot, double>> all;
-  for (const BenchmarkRobot& robot : allRobots()) {
-    for (const double deceleration : decelerations) all.emplace_back(robot, deceleration);
-  }
-  return all;
-}
-
 std::shared_ptr<CertifiedSurroundings> surroundingsOf(const LimiterScene& scene) {
   return std::make_shared<CertifiedSurroundings>(scene.seen(), scene.joints(), Fidelity::MESH);
 }
@@ -130,21 +121,17 @@ LimiterDecision firstDecision(const LimiterScene& scene, const std::vector<doubl
 
 /// What is in the way of any limiter: the largest of eight scales at which the robot keeps
 /// self_stop_distance at 33 places of a straight stopping path, as if it never left that.
-double straightScale(const LimiterScene& scene, const RobotState& from,
+double straightScale(const LimiterScene& scene, const std::vector<double>& from,
                      const std::vector<double>& command, CertifiedSurroundings& surroundings) {
   const LimiterSettings settings = scene.settings();
-  const double fastest =
-      std::abs(*std::max_element(command.begin(), command.end(),
-                                 [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  double fastest = 0.0;
+  for (const double x : command) fastest = std::max(fastest, std::abs(x));
   const auto keeps = [&](double scale) {
     const double seconds = settings.reaction_time + settings.command_timeout +
                            0.5 * scale * fastest / settings.deceleration.front();
-    std::vector<double> q(command.size());
     for (int i = 0; i <= 32; ++i) {
-      for (std::size_t j = 0; j < command.size(); ++j) {
-        q[j] = from.positions[scene.seen()->robot().findJoint(scene.joints()[j])] +
-               seconds * i / 32.0 * scale * command[j];
-      }
+      std::vector<double> q = from;
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] += seconds * i / 32.0 * scale * command[j];
       RobotState state;
       state.positions = scene.allPositions(q);
       surroundings.setState(std::move(state));
@@ -164,12 +151,49 @@ double straightScale(const LimiterScene& scene, const RobotState& from,
 Limiter straightLimiter(const LimiterScene& scene,
                         const std::shared_ptr<CertifiedSurroundings>& surroundings) {
   return [&scene, surroundings](const LimiterView& view) {
-    std::vector<double> command = view.command;
+    std::vector<double> command = view.command, q;
     if (command.empty()) return command;
-    const double scale = straightScale(scene, view.state, command, *surroundings);
+    const RobotModel& robot = scene.seen()->robot();
+    for (const std::string& joint : scene.joints()) {
+      q.push_back(view.state.positions[robot.findJoint(joint)]);
+    }
+    const double scale = straightScale(scene, q, command, *surroundings);
     for (double& x : command) x *= scale;
     return command;
   };
+}
+
+void aloneAt(double deceleration, const BenchmarkRobot& robot, int nb_decisions) {
+  SimulationOptions options;
+  options.nb_things = 0;
+  options.deceleration = deceleration;
+  RandomInputs random;
+  LimiterScene scene(robot, limitedJoints(robot), 0, options);
+  const auto surroundings = surroundingsOf(scene);
+  int nb_whole = 0, nb_straight = 0;
+  double sum = 0.0, straight_sum = 0.0;
+  for (int i = 0; i < nb_decisions; ++i) {
+    const std::vector<double> q = scene.freeState(random, 0.005);
+    std::vector<double> command(q.size());
+    for (double& x : command) x = random.uniform(-1.0, 1.0);
+    const double scale = firstDecision(scene, q, command, *surroundings).scale;
+    nb_whole += scale == 1.0 ? 1 : 0;
+    sum += scale;
+    const double straight = straightScale(scene, q, command, *surroundings);
+    nb_straight += straight == 1.0 ? 1 : 0;
+    straight_sum += straight;
+  }
+  SimulationResult all, straight;
+  for (int i = 0; i < nb_decisions / 100; ++i) {
+    RandomInputs same = random;
+    all.add(scene.run(lawLimiter(std::make_shared<LimiterLaw>(scene.settings()), surroundings),
+                      random, 10.0));
+    straight.add(scene.run(straightLimiter(scene, surroundings), same, 10.0));
+  }
+  std::cout << robot.name << ',' << deceleration << ',' << nb_decisions << ','
+            << 1.0 * nb_whole / nb_decisions << ',' << sum / nb_decisions << ','
+            << all.passed / all.asked << ',' << 1.0 * nb_straight / nb_decisions << ','
+            << straight_sum / nb_decisions << ',' << straight.passed / straight.asked << std::endl;
 }
 
 /// Robots in empty space: decisions from rest at random states that keep 5 mm, and random commands
@@ -177,40 +201,8 @@ Limiter straightLimiter(const LimiterScene& scene,
 void alone(int nb_decisions) {
   std::cout << "robot,deceleration,decisions,whole,mean_scale,passed_in_runs,straight_whole,"
                "straight_mean,straight_in_runs\n";
-  SimulationOptions options;
-  options.nb_things = 0;
-  for (const auto& [robot, deceleration] : robotsWith({5.0, 50.0})) {
-    options.deceleration = deceleration;
-    RandomInputs random;
-    LimiterScene scene(robot, limitedJoints(robot), 0, options);
-    const auto surroundings = surroundingsOf(scene);
-    int nb_whole = 0, nb_straight = 0;
-    double sum = 0.0, straight_sum = 0.0;
-    for (int i = 0; i < nb_decisions; ++i) {
-      const std::vector<double> q = scene.freeState(random, 0.005);
-      std::vector<double> command(q.size());
-      for (double& x : command) x = random.uniform(-1.0, 1.0);
-      const double scale = firstDecision(scene, q, command, *surroundings).scale;
-      nb_whole += scale == 1.0 ? 1 : 0;
-      sum += scale;
-      RobotState state;
-      state.positions = scene.allPositions(q);
-      const double straight = straightScale(scene, state, command, *surroundings);
-      nb_straight += straight == 1.0 ? 1 : 0;
-      straight_sum += straight;
-    }
-    SimulationResult all, straight;
-    for (int i = 0; i < nb_decisions / 100; ++i) {
-      RandomInputs same = random;
-      all.add(scene.run(lawLimiter(std::make_shared<LimiterLaw>(scene.settings()), surroundings),
-                        random, 10.0));
-      straight.add(scene.run(straightLimiter(scene, surroundings), same, 10.0));
-    }
-    std::cout << robot.name << ',' << deceleration << ',' << nb_decisions << ','
-              << 1.0 * nb_whole / nb_decisions << ',' << sum / nb_decisions << ','
-              << all.passed / all.asked << ',' << 1.0 * nb_straight / nb_decisions << ','
-              << straight_sum / nb_decisions << ',' << straight.passed / straight.asked
-              << std::endl;
+  for (const BenchmarkRobot& robot : allRobots()) {
+    for (const double deceleration : {5.0, 50.0}) aloneAt(deceleration, robot, nb_decisions);
   }
 }
 

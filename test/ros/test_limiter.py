@@ -170,9 +170,12 @@ class LimiterTest(unittest.TestCase):
         program = ("import rospy; from std_msgs.msg import Float64MultiArray; rospy.init_node('latching');"
                    "publisher = rospy.Publisher('/array_command', Float64MultiArray, queue_size=1, latch=True);"
                    "publisher.publish(data=[0.3]);"
+                   "exec('while not publisher.get_num_connections(): rospy.sleep(0.01)'); print(flush=True);"
                    "input(); publisher.publish(data=[0.2]); input()")
-        with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, text=True) as latching:
-            rospy.sleep(3.0)
+        with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                              text=True) as latching:
+            self.assertEqual(latching.stdout.readline(), "\n", "it is connected")
+            rospy.sleep(0.5)
             self.assertEqual(self.joints.position("slide_a"), 0.0)
             latching.stdin.write("\n")
             latching.stdin.flush()

@@ -28,31 +28,34 @@ constexpr double SIMULATED_WAIT = 0.001;  // s: a simulated clock may be faster
 constexpr double SHOWN_FOR = 1.0;         // s
 constexpr double WARN_PERIOD = 5.0;       // s between repeated warnings in the log
 
+using Connections = std::vector<boost::weak_ptr<ros::M_string>>;
+
+/// Whether no message came on this connection before. Those that have ended are forgotten.
+bool isNew(const boost::shared_ptr<ros::M_string>& connection, Connections& known) {
+  const auto isOver = [](const auto& other) { return other.expired(); };
+  known.erase(std::remove_if(known.begin(), known.end(), isOver), known.end());
+  const auto isThis = [&](const auto& other) { return other.lock() == connection; };
+  if (std::any_of(known.begin(), known.end(), isThis)) return false;
+  known.push_back(connection);
+  return true;
+}
+
 /// What a latching publisher sends to whoever connects may be of long ago, as a command that
 /// `rostopic pub` left behind: it is not taken, and what comes after it is.
 template <class Message, class Take>
 ros::Subscriber subscribedToCommands(ros::NodeHandle& node, const std::string& topic,
                                      const Take& take) {
-  const auto connections = std::make_shared<std::vector<boost::weak_ptr<ros::M_string>>>();
+  const auto latching = std::make_shared<Connections>();
   const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
-      [take, connections](const ros::MessageEvent<const Message>& event) {
-        const boost::shared_ptr<ros::M_string> header = event.getConnectionHeaderPtr();
-        const auto latching = header->find("latching");
-        if (latching != header->end() && latching->second == "1") {
-          const auto isThis = [&](const auto& other) { return other.lock() == header; };
-          const auto isOver = [](const auto& other) { return other.expired(); };
-          connections->erase(std::remove_if(connections->begin(), connections->end(), isOver),
-                             connections->end());
-          if (std::none_of(connections->begin(), connections->end(), isThis)) {
-            connections->push_back(header);
-            ROS_WARN_STREAM("a command of '"
-                            << event.getPublisherName()
-                            << "' is not passed: its publisher latches, so it "
-                               "may be of long ago; publish at a rate (rostopic pub -r 20)");
-            return;
-          }
-        }
-        take(*event.getConstMessage());
+      [take, latching](const ros::MessageEvent<const Message>& event) {
+        const boost::shared_ptr<ros::M_string> connection = event.getConnectionHeaderPtr();
+        const auto latches = connection->find("latching");
+        const bool does_latch = latches != connection->end() && latches->second == "1";
+        if (!does_latch || !isNew(connection, *latching)) return take(*event.getConstMessage());
+        ROS_WARN_STREAM("a command of '"
+                        << event.getPublisherName()
+                        << "' is not passed: its publisher latches, so it may be of long ago; "
+                           "publish at a rate (rostopic pub -r 20)");
       };
   // Only the newest command counts: one that waited is replaced.
   return node.subscribe<Message>(topic, 1, callback, nullptr, ros::TransportHints().tcpNoDelay());
@@ -114,17 +117,15 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
   if (parameters_->is_trajectory) {
     using trajectory_msgs::JointTrajectory;
     limited_ = own_private.advertise<JointTrajectory>("limited_command", 1);
-    subscribers_.push_back(subscribedToCommands<JointTrajectory>(own, parameters_->command,
-                                                                 [this](const auto& message) {
-                                                                   take({{}, message, {}});
-                                                                 }));
+    const auto take_command = [this](const JointTrajectory& message) { take({{}, message, {}}); };
+    subscribers_.push_back(
+        subscribedToCommands<JointTrajectory>(own, parameters_->command, take_command));
   } else {
     using std_msgs::Float64MultiArray;
     limited_ = own_private.advertise<Float64MultiArray>("limited_command", 1);
-    subscribers_.push_back(subscribedToCommands<Float64MultiArray>(own, parameters_->command,
-                                                                   [this](const auto& message) {
-                                                                     take({message, {}, {}});
-                                                                   }));
+    const auto take_command = [this](const Float64MultiArray& message) { take({message, {}, {}}); };
+    subscribers_.push_back(
+        subscribedToCommands<Float64MultiArray>(own, parameters_->command, take_command));
   }
   refuseLoop(subscribers_.back().getTopic(), limited_.getTopic());
   const auto wanted = [this] {
