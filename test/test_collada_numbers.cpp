@@ -209,6 +209,8 @@ TEST_F(ColladaNumbers, WhatIsWrongIsSaidWithItsLine) {
   EXPECT_THAT(why("0 2 1", "0 2 -1"), HasSubstr("<p>: '-1' is not one of 4 positions"));
   EXPECT_THAT(why("<translate>1 2 3", "<translate>1 2"),
               HasSubstr("<translate> has 2 numbers, and needs 3"));
+  EXPECT_THAT(why("<translate>1 2 3</translate>", "<skew>45 1 0 0 0 1 0</skew>"),
+              HasSubstr("<skew> is not read here"));
 }
 
 TEST_F(ColladaNumbers, TheSameIdsInAnotherMeshAreTheirOwn) {

@@ -28,7 +28,7 @@ constexpr Number CORNERS = 3;  // at least, of a surface
 
 /// How many numbers a transform of a node has.
 const std::map<std::string, std::size_t> TRANSFORMS = {
-    {"translate", 3}, {"rotate", 4}, {"scale", 3}, {"matrix", 16}, {"lookat", 9}, {"skew", 7}};
+    {"translate", 3}, {"rotate", 4}, {"scale", 3}, {"matrix", 16}, {"lookat", 9}};
 
 /// From the schema of COLLADA 1.4 and 1.5.
 const XmlGrammar& meshGrammar() {
@@ -309,6 +309,8 @@ class MeshNumbers {
 };
 
 void requireTransforms(const XMLElement& node) {
+  // assimp would place the parts without it.
+  if (const XMLElement* skew = node.FirstChildElement("skew")) fail(*skew, " is not read here");
   for (const auto& [name, wanted] : TRANSFORMS) {
     for (const XMLElement* transform : childrenOf(node, name.c_str())) {
       const std::size_t count = nbDecimals(*transform);
