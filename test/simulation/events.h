@@ -40,8 +40,9 @@ struct Scenario {
   double clock_begins = 0.0;  ///< s of wall time; before, ROS time is 0
   int cycle_through = 0;      ///< link on which the root is hung by who makes a cycle
   bool has_cloud = false;
-  bool has_world = false;  ///< of a ball that is far away
-  int camera_on = -1;      ///< link; -1: the root
+  bool has_other_camera = false;  ///< which a second node tells of, in the same frame
+  bool has_world = false;         ///< of a ball that is far away
+  int camera_on = -1;             ///< link; -1: the root
   Pose X_LC;
   /// The camera is on a mast on that link, without geometry, whose joint may move; on /tf_static.
   bool has_mast = false, is_mast_listed = false;
@@ -117,7 +118,7 @@ struct Event {
     CAMERA,       ///< its mount, on /tf_static
     STEP_CLOCK,   ///< by up to 3 s; what: 0 to 5: by less, as of a computer that is being set
     RUN_CLOCK,    ///< at `number` times the speed
-    CLOUD,        ///< what: kind; at: where its obstacle is
+    CLOUD,        ///< what: kind; at: where its obstacle is; number > 0.3: of the other camera
     CLOUD_BEGIN,  ///< of the work on a cloud
     CLOUD_END,
     CLEAR,        ///< all clouds
@@ -185,6 +186,7 @@ class Generator {
     made.X_LC = {-3.0, 0.0, 0.0, 0.3};
     made.has_mast = made.has_cloud && (made.camera_on >= 0 || !made.is_apart) && integer(6) == 0;
     made.is_mast_listed = integer(2) == 0;
+    made.has_other_camera = integer(4) == 0;
     if (integer(4) == 0) made.fixed_frame = integer(nb_links);
     made.findPaths();
     return made;

@@ -85,6 +85,7 @@ class SimulatedNode {
     std::vector<Pose> points;  ///< in the camera's frame
     double arrival;            ///< s, of ROS time
     int pass;
+    std::string publisher;
     double since = 0.0;                     ///< of wall time, when it was looked at first
     bool is_new = true, may_be_new = true;  ///< it was not looked at yet
   };
@@ -105,9 +106,12 @@ class SimulatedNode {
   void publishBroken(const Event& event);
   void publishCamera(const Pose& X_LC);
   void sendCloud(const Event& event);
+  void takeCloud(const sensor_msgs::PointCloud2::ConstPtr& message, const SentCloud& cloud);
+  bool isOfOtherCamera(const SentCloud& cloud) const;
   void beginCloud();
   void endCloud();
   void clearClouds();
+  void noteCleared();
   void forgetClouds();
   double timeout() const { return settings_.source_timeout > 0.0 ? settings_.source_timeout : 1e9; }
   bool arePosesCertain(Ns stamp) const;
@@ -205,7 +209,15 @@ class SimulatedNode {
   SentCloud sent_cloud_;
   SentCloud sent_work_;  ///< of cloud_work_
   std::optional<UsedCloud> used_cloud_;
-  bool is_cloud_refused_ = false;  ///< the last, or it waits for what nobody connects
+  /// Which node sent those that are used, in which pass, and when the last was used.
+  struct UsedCamera {
+    std::string publisher;
+    int pass;
+    double last_use;
+  };
+  std::optional<UsedCamera> camera_;
+  std::optional<double> other_camera_;  ///< when clouds of another were refused last, s
+  bool is_cloud_refused_ = false;       ///< the last, or it waits for what nobody connects
   bool may_cloud_be_refused_ = false;
   int nb_clouds_ = 0, nb_cleared_ = 0, nb_used_ = 0;
   double last_use_ = 0.0, rate_ = 0.0, latency_ = 0.0;  ///< of clouds that were used
