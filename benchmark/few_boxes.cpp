@@ -77,8 +77,7 @@ class FewBoxes {
                 test_.models, records_.data());
     if (method == "bins") {
       bins_.begin(SweepTuning(), test_, UNSURE);
-      bins_.sweep(records_.data(), count, sweepAxis(sampleSpread(records_.data(), count, count)),
-                  1);
+      bins_.sweep(records_.data(), count);
       pairs_.swap(bins_.pairs());
       sorter_.sort(*kernel_, count, &pairs_);
       return pairs_;
@@ -182,9 +181,7 @@ int run(const std::vector<std::string>& arguments) {
     std::ofstream csv(arguments[0]);
     csv << "scene,boxes,kernel,pairs,each_ns,ranks_ns,bins_ns\n";
     for (const Scene& scene : scenes()) {
-      for (const SweepKernel* kernel : sweepKernels()) {
-        if (kernel->name != std::string("scalar")) measure(scene, *kernel, csv);
-      }
+      for (const SweepKernel* kernel : sweepKernels()) measure(scene, *kernel, csv);
     }
     return 0;
   }

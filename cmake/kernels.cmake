@@ -5,14 +5,13 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
   set(geometry ${PROJECT_SOURCE_DIR}/src/core/geometry/geometry_kernel)
   set(batch ${PROJECT_SOURCE_DIR}/src/core/batch_model/batch_kernel)
   target_sources(collision_pairs PRIVATE ${sweep}_avx2.cpp ${sweep}_avx512.cpp
-                                         ${geometry}_avx2.cpp ${geometry}_avx512.cpp
+                                         ${geometry}_avx2.cpp
                                          ${batch}_avx2.cpp ${batch}_avx512.cpp)
   target_compile_definitions(collision_pairs PRIVATE COLLISION_PAIRS_X86_KERNELS)
   set_source_files_properties(${sweep}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mbmi;-mpopcnt")
   set_source_files_properties(${batch}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2")
   set_source_files_properties(${batch}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f")
   set_source_files_properties(${geometry}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2")
-  set_source_files_properties(${geometry}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f")
   # GCC 12 warns of its own intrinsics (GCC bug 105593).
   set_source_files_properties(
     ${sweep}_avx512.cpp PROPERTIES COMPILE_OPTIONS

@@ -7,7 +7,7 @@ namespace {
 
 // Clusters within clusters are split at most this often; what is still crowded is swept as it is.
 constexpr std::size_t MAX_DEPTH = 6;
-constexpr std::size_t COLUMN_SAMPLE = 256;
+constexpr std::size_t SAMPLE = 256;
 
 // A monotone map from a coordinate to one of `count` bins that hold about as many records each.
 struct Bins {
@@ -43,19 +43,24 @@ Bins chooseBins(const Record* records, std::size_t count, int axis) {
   return bins;
 }
 
-}  // namespace
-
-Spread sampleSpread(const Record* records, std::size_t count, std::size_t sample) {
-  const std::size_t used = std::min(count, sample);
+// Of some of the records, evenly spaced in their order.
+Spread sampleSpread(const Record* records, std::size_t count) {
+  const std::size_t used = std::min(count, SAMPLE);
   return measureSpread([&](std::size_t i) -> const Record& { return records[i * count / used]; },
                        used);
 }
+
+}  // namespace
 
 void ColumnSweep::begin(const SweepTuning& tuning, const PairTest& test, std::uint32_t unsure) {
   tuning_ = tuning;
   test_ = test;
   unsure_ = unsure;
   pairs_.clear();
+}
+
+void ColumnSweep::sweep(const Record* records, std::size_t count) {
+  sweep(records, count, sweepAxis(sampleSpread(records, count)), 0);
 }
 
 void ColumnSweep::sweep(const Record* records, std::size_t count, int axis, std::size_t depth) {
@@ -76,7 +81,7 @@ void ColumnSweep::sweep(const Record* records, std::size_t count, int axis, std:
 bool ColumnSweep::cut(const Record* records, std::size_t count, double tests_per_box,
                       std::size_t depth) {
   if (depth >= MAX_DEPTH) return false;
-  const Spread spread = sampleSpread(records, count, COLUMN_SAMPLE);
+  const Spread spread = sampleSpread(records, count);
   const int axis = sweepAxis(spread);
   if (tests_per_box == 0.0) tests_per_box = static_cast<double>(count) * spread.crowd(axis);
   const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning_.column_size);

@@ -33,13 +33,14 @@ class ColumnSweep {
 
   void begin(const SweepTuning& tuning, const PairTest& test, std::uint32_t unsure);
 
-  /// All pairs of the records, each once, by a sweep along `axis`. `depth`: how often they were
-  /// split already.
-  void sweep(const Record* records, std::size_t count, int axis, std::size_t depth);
+  /// All pairs of the records, each once.
+  void sweep(const Record* records, std::size_t count);
 
   std::vector<BoxPair>& pairs() { return pairs_; }
 
  private:
+  /// Along `axis`; `depth`: how often they were split already.
+  void sweep(const Record* records, std::size_t count, int axis, std::size_t depth);
   bool cut(const Record* records, std::size_t count, double tests_per_box, std::size_t depth);
   std::size_t sort(const Record* records, std::size_t count, int axis);
 
@@ -54,8 +55,5 @@ class ColumnSweep {
   std::vector<std::unique_ptr<GridLevel>> levels_;
   std::vector<BoxPair> pairs_;
 };
-
-/// The spread of at most `sample` of the records, evenly spaced in their order.
-Spread sampleSpread(const Record* records, std::size_t count, std::size_t sample);
 
 }  // namespace collision_pairs

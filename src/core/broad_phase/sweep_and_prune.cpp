@@ -13,7 +13,6 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t SAMPLE = 1000;
 constexpr double MAX_ALARM = 1e150;
 
 }  // namespace
@@ -48,7 +47,6 @@ struct SweepAndPrune::Engine {
   PackedStorage packed;
   CandidateStorage candidates;
   std::vector<std::uint32_t> row_end;
-  GridLevel columns{kernel};
   ColumnSweep sweeper{kernel};
   PairSorter sorter;
 };
@@ -234,7 +232,7 @@ void SweepAndPrune::Engine::sweepAllowed(const std::vector<Aabb>& boxes,
   }
 }
 
-// Many boxes: convert them to records, split them into columns, sort and sweep each column.
+// Many boxes: sorted, and in columns where the sweep would be long.
 void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
                                          const std::vector<std::uint32_t>& refused,
                                          std::vector<BoxPair>* pairs) {
@@ -251,19 +249,7 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
     if (count == 0) return;
   }
   sweeper.begin(tuning, test, unsure);
-
-  const Spread spread = sampleSpread(records.data(), count, SAMPLE);
-  const int axis = sweepAxis(spread);
-  const double tests_per_box = static_cast<double>(count) * spread.crowd(axis);
-  const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning.column_size);
-  const bool long_sweep = count > tuning.column_size || tests_per_box > tuning.tests_per_box;
-  if (long_sweep && columns.fill(grid, records.data(), count)) {
-    for (std::uint32_t cell = 0; cell < columns.nbCells(); ++cell) {
-      sweeper.sweep(columns.cellBegin(cell), columns.cellSize(cell), axis, 1);
-    }
-  } else {
-    sweeper.sweep(records.data(), count, axis, 1);
-  }
+  sweeper.sweep(records.data(), count);
   if (pairs->empty()) {
     pairs->swap(sweeper.pairs());
   } else {

@@ -1,4 +1,4 @@
-// The kernels that run on every machine, and the choice among all kernels.
+// The kernel that runs on every machine, and the choice among all kernels.
 #include "sweep_kernel.h"
 
 #include <cstring>
@@ -8,28 +8,6 @@
 
 namespace collision_pairs {
 namespace {
-
-struct ScalarLanes {
-  static constexpr std::size_t COUNT = 1;
-  using Floats = float;
-  using Ints = std::uint32_t;
-  using Mask = std::uint32_t;
-
-  static Floats setFloat(float x) { return x; }
-  static Ints setInt(std::uint32_t x) { return x; }
-  static Floats add(Floats a, const float* b) { return a + *b; }
-  static Floats larger(Floats a, Floats b) { return a < b ? b : a; }
-  static Mask notPositive(Floats a) { return a <= 0.0f; }
-  static Mask negative(Floats a) { return a < 0.0f; }
-  static Mask both(Mask a, Mask b) { return a & b; }
-  static Mask noCommonBits(Ints a, const std::uint32_t* b) { return (a & *b) == 0; }
-  static Mask differ(Ints a, const std::uint32_t* b) { return a != *b; }
-  static std::uint32_t bits(Mask m) { return m; }
-  static std::size_t append(Mask closed, Mask open, std::uint32_t id, const std::uint32_t* tags,
-                            std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
-    return appendOneByOne<ScalarLanes>(closed, open, id, tags, unsure, first, second);
-  }
-};
 
 // Four lanes of whatever the compiler's base target has: SSE2 on any x86-64, NEON on arm64.
 struct FourLanes {
@@ -68,11 +46,17 @@ struct FourLanes {
   }
   static std::size_t append(Mask closed, Mask open, std::uint32_t id, const std::uint32_t* tags,
                             std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
-    return appendOneByOne<FourLanes>(bits(closed), bits(open), id, tags, unsure, first, second);
+    const std::uint32_t is_open = bits(open);
+    std::size_t count = 0;
+    for (std::uint32_t rest = bits(closed); rest != 0; rest &= rest - 1) {
+      const int lane = __builtin_ctz(rest);
+      first[count] = id;
+      second[count++] = (tags[lane] & ID_MASK) | ((~is_open >> lane & 1u) * UNSURE) | unsure;
+    }
+    return count;
   }
 };
 
-const SweepKernel SCALAR_KERNEL = makeKernel<ScalarLanes>("scalar", 32);
 const SweepKernel FOUR_LANES_KERNEL = makeKernel<FourLanes>("four lanes", 110);
 
 }  // namespace
@@ -90,7 +74,6 @@ const std::vector<const SweepKernel*>& sweepKernels() {
     if (instructionSet() >= InstructionSet::AVX2) kernels.push_back(&AVX2_KERNEL);
 #endif
     kernels.push_back(&FOUR_LANES_KERNEL);
-    kernels.push_back(&SCALAR_KERNEL);
     return kernels;
   }();
   return KERNELS;

@@ -137,7 +137,7 @@ struct SweepKernel {
   std::uint32_t each_up_to;
 };
 
-/// The kernels that this machine can run, the fastest first and the scalar one last.
+/// The kernels that this machine can run, the fastest first.
 const std::vector<const SweepKernel*>& sweepKernels();
 
 }  // namespace collision_pairs

@@ -49,21 +49,6 @@ inline typename Lanes::Floats apart(const OneBox<Lanes>& box, const PackedBoxes&
   return Lanes::larger(Lanes::larger(axis[0], axis[1]), axis[2]);
 }
 
-/// Writes the pairs of the set lanes one by one, for instruction sets that cannot compress.
-template <class Lanes>
-inline std::size_t appendOneByOne(std::uint32_t closed, std::uint32_t open, std::uint32_t id,
-                                  const std::uint32_t* tags, std::uint32_t unsure,
-                                  std::uint32_t* first, std::uint32_t* second) {
-  std::size_t count = 0;
-  for (; closed != 0; closed &= closed - 1) {
-    const int lane = __builtin_ctz(closed);
-    first[count] = id;
-    second[count] = (tags[lane] & ID_MASK) | ((~open >> lane & 1u) * UNSURE) | unsure;
-    ++count;
-  }
-  return count;
-}
-
 // The boxes are passed by value: vector stores may alias anything, but a local of this function
 // need not be reloaded after each store.
 template <class Lanes>

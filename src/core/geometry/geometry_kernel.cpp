@@ -8,7 +8,6 @@ namespace collision_pairs {
 
 #ifdef COLLISION_PAIRS_X86_KERNELS
 extern const GeometryKernel GEOMETRY_AVX2;
-extern const decltype(GeometryKernel::extent) EXTENT_AVX512;
 #endif
 
 const std::vector<GeometryKernel>& geometryKernels() {
@@ -17,13 +16,7 @@ const std::vector<GeometryKernel>& geometryKernels() {
   static const std::vector<GeometryKernel> KERNELS = [] {
     std::vector<GeometryKernel> kernels;
 #ifdef COLLISION_PAIRS_X86_KERNELS
-    const InstructionSet best = instructionSet();
-    if (best >= InstructionSet::AVX512) {  // only the extent gains from more than four lanes
-      kernels.push_back(GEOMETRY_AVX2);
-      kernels.back().name = "avx512";
-      kernels.back().extent = EXTENT_AVX512;
-    }
-    if (best >= InstructionSet::AVX2) kernels.push_back(GEOMETRY_AVX2);
+    if (instructionSet() >= InstructionSet::AVX2) kernels.push_back(GEOMETRY_AVX2);
 #endif
     kernels.push_back(geometryKernel<TwoDoubles, TwoIntegers, 2>("two lanes"));
     return kernels;

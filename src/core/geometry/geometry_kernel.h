@@ -6,7 +6,7 @@
 
 namespace collision_pairs {
 
-constexpr int POINT_LANES = 8;  // of the widest instruction set; blocks have the same size for all
+constexpr int POINT_LANES = 8;  // two registers of the widest instruction set, for all of them
 constexpr int BOX_LANES = 4;
 
 /// Points as structure of arrays.
