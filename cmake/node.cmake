@@ -30,7 +30,6 @@ add_library(collision_pairs_ros STATIC
   src/ros/node/parameters.cpp
   src/ros/node/report_publisher.cpp
   src/ros/node/ros_master.cpp
-  src/ros/node/second_node.cpp
   src/ros/queries/query_services.cpp
   src/ros/queries/snapshot_check.cpp
   src/ros/scene/scene_builder.cpp

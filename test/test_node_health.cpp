@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "low_priority.h"
 #include "node_health.h"
 #include "printed.h"
+#include "thread_priority.h"
 
 namespace collision_pairs {
 namespace test_node_health {

@@ -177,6 +177,12 @@ class RobotModel {
   void forwardKinematics(const std::vector<double>& positions,
                          std::vector<Eigen::Isometry3d>& X_RB) const;
 
+  /// The same where some bodies are `placed` (by body; empty: none), whatever their joints say: a
+  /// root in W, others in their parent bodies.
+  void forwardKinematics(const std::vector<double>& positions,
+                         const std::vector<std::optional<Eigen::Isometry3d>>& placed,
+                         std::vector<Eigen::Isometry3d>& X_WB) const;
+
   /// The same for one body: from the pose of its parent body and its joint's position.
   void placeBody(int body, const Eigen::Isometry3d& X_RP, double position,
                  Eigen::Isometry3d& X_RB) const;

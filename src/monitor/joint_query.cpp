@@ -129,20 +129,7 @@ void JointQuery::refuseOtherCount(const std::vector<double>& positions) const {
 
 void JointQuery::bodyPosesAt(const std::vector<double>& positions,
                              std::vector<Isometry3d>& X_WB) const {
-  refuseOtherCount(positions);
-  columns_.check(positions.data());
-  const RobotModel& robot = scene_.robot();
-  X_WB.resize(robot.bodies().size());
-  for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
-    const Body& body = robot.bodies()[i];
-    if (placed_[i]) {
-      X_WB[i] = body.joint < 0 ? *placed_[i] : X_WB[body.parent] * *placed_[i];
-    } else {
-      const JointColumns::Source& joint = columns_.sourceOf(body.joint);
-      const double position = joint.multiplier * positions[joint.column] + joint.offset;
-      X_WB[i] = X_WB[body.parent] * body.X_PJ * robot.joints()[body.joint].motion(position);
-    }
-  }
+  scene_.robot().forwardKinematics(jointPositionsAt(positions), placed_, X_WB);
 }
 
 void JointQuery::posesAt(const std::vector<double>& positions, BodyPoses& poses) const {

@@ -32,7 +32,7 @@
 #include "dynamic_robots.h"
 #include "motion_scenes.h"
 #include "motion_trace.h"
-#include "src/ros/node/real_time.h"
+#include "src/ros/node/thread_priority.h"
 
 namespace collision_pairs {
 namespace {

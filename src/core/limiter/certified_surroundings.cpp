@@ -67,19 +67,7 @@ void CertifiedSurroundings::setState(RobotState state) {
 }
 
 void CertifiedSurroundings::place(const std::vector<double>& positions) {
-  const RobotModel& robot = scene_->robot();
-  X_WB_.resize(robot.bodies().size());
-  for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
-    const Body& body = robot.bodies()[i];
-    const bool is_placed = i < state_.placed.size() && state_.placed[i].has_value();
-    if (body.parent < 0) {
-      X_WB_[i] = is_placed ? *state_.placed[i] : body.X_PJ;
-    } else if (is_placed) {
-      X_WB_[i] = X_WB_[body.parent] * *state_.placed[i];
-    } else {
-      robot.placeBody(static_cast<int>(i), X_WB_[body.parent], positions[body.joint], X_WB_[i]);
-    }
-  }
+  scene_->robot().forwardKinematics(positions, state_.placed, X_WB_);
   scene_->gatherPoses(X_WB_, poses_);
   poses_.voxels = state_.voxels;
 }

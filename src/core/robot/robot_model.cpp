@@ -201,15 +201,24 @@ void RobotModel::applyMimics(std::vector<double>& positions) const {
 
 void RobotModel::forwardKinematics(const std::vector<double>& positions,
                                    std::vector<Isometry3d>& X_RB) const {
+  forwardKinematics(positions, {}, X_RB);
+}
+
+void RobotModel::forwardKinematics(const std::vector<double>& positions,
+                                   const std::vector<std::optional<Isometry3d>>& placed,
+                                   std::vector<Isometry3d>& X_WB) const {
   requireOneEntryPerJoint(positions);
-  X_RB.resize(bodies_.size(), Isometry3d::Identity());
+  X_WB.resize(bodies_.size(), Isometry3d::Identity());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& body = bodies_[i];
+    const bool is_placed = i < placed.size() && placed[i];
     if (body.joint < 0) {
-      X_RB[i] = body.X_PJ;
-      continue;
+      X_WB[i] = is_placed ? *placed[i] : body.X_PJ;
+    } else if (is_placed) {
+      X_WB[i] = X_WB[body.parent] * *placed[i];
+    } else {
+      placeBody(static_cast<int>(i), X_WB[body.parent], positions[body.joint], X_WB[i]);
     }
-    placeBody(static_cast<int>(i), X_RB[body.parent], positions[body.joint], X_RB[i]);
   }
 }
 

@@ -1,44 +1,14 @@
 #include "cloud_config.h"
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <map>
+#include <limits>
 #include <tuple>
 
 #include "collision_pairs/input_error.h"
-#include "user_text.h"
 #include "yaml_values.h"
 
 namespace collision_pairs {
 namespace {
-
-double above0(const std::string& key, const YAML::Node& value) {
-  const double found = numberOf(key, value, "more than 0 metres");
-  if (found <= 0.0) refuseValue(key, value, "more than 0 metres");
-  return found;
-}
-
-double secondsOf(const std::string& key, const YAML::Node& value) {
-  return numberOf(key, value, "0 or more seconds", 0.0);
-}
-
-int countOf(const std::string& key, const YAML::Node& value, int least = 1,
-            int most = 100'000'000) {
-  const std::string rule =
-      "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
-  const double found = numberOf(key, value, rule, least);
-  if (found > most || found != std::floor(found)) refuseValue(key, value, rule);
-  return static_cast<int>(found);
-}
-
-/// Of a larger one no obstacle would be left: these are millimetres.
-double paddingOf(const std::string& key, const YAML::Node& value) {
-  const std::string rule = "0 to 0.5 metres";
-  const double found = numberOf(key, value, rule, 0.0);
-  if (found > 0.5) refuseValue(key, value, rule);
-  return found;
-}
 
 std::string topicOf(const std::string& key, const YAML::Node& value) {
   const std::string rule = "the name of a topic, such as camera/points";
@@ -62,49 +32,37 @@ std::optional<Eigen::AlignedBox3d> boxOf(const std::string& key, const YAML::Nod
   return box;
 }
 
-using CloudReader = std::function<void(const std::string& key, const YAML::Node&, CloudConfig&)>;
-
-const std::map<std::string, CloudReader>& cloudReaders() {
-  static const std::map<std::string, CloudReader> ALL = {
-      {"topic", [](const auto& k, const auto& v, auto& c) { c.topic = topicOf(k, v); }},
-      {"voxel_size", [](const auto& k, const auto& v, auto& c) { c.voxel_size = above0(k, v); }},
-      {"max_range", [](const auto& k, const auto& v, auto& c) { c.max_range = above0(k, v); }},
-      {"min_points",
-       [](const auto& k, const auto& v, auto& c) { c.min_points = countOf(k, v, 1, 1000); }},
-      {"min_valid_points",
-       [](const auto& k, const auto& v, auto& c) { c.min_valid_points = countOf(k, v, 0); }},
-      {"decay", [](const auto& k, const auto& v, auto& c) { c.decay = secondsOf(k, v); }},
-      {"replace", [](const auto& k, const auto& v, auto& c) { c.replace = flagOf(k, v); }},
-      {"box", [](const auto& k, const auto& v, auto& c) { c.box = boxOf(k, v); }},
-      {"max_voxels", [](const auto& k, const auto& v, auto& c) { c.max_voxels = countOf(k, v); }},
-      {"source_timeout",
-       [](const auto& k, const auto& v, auto& c) { c.source_timeout = secondsOf(k, v); }},
-      {"self_filter_padding",
-       [](const auto& k, const auto& v, auto& c) { c.self_filter_padding = paddingOf(k, v); }},
-      {"touch_links", [](const auto& k, const auto& v, auto& c) { c.touch_links = namesOf(k, v); }},
-  };
-  return ALL;
-}
-
-std::vector<std::string> knownKeys() {
-  std::vector<std::string> keys;
-  for (const auto& entry : cloudReaders()) keys.push_back(entry.first);
-  return keys;
-}
+/// Of a larger padding no obstacle would be left: these are millimetres.
+constexpr Range PADDING{0.0, 0.5};
+constexpr Range ABOVE_0{0.0, std::numeric_limits<double>::max(), true};
+constexpr int MOST_VOXELS = 100'000'000;
 
 CloudConfig readCloud(const std::string& origin, const YAML::Node& value) {
-  const std::string rule = "a map such as {topic: camera/points, voxel_size: 0.02}";
-  CloudConfig cloud;
-  forEntries(origin, value, rule, [&](const std::string& key, const YAML::Node& entry) {
-    const auto reader = cloudReaders().find(key);
-    if (reader == cloudReaders().end()) {
-      throw InputError(origin + ": '" + key + "' is not a setting of a cloud" +
-                       didYouMean(key, knownKeys()));
-    }
-    reader->second(origin + '/' + key, entry, cloud);
-  });
-  if (cloud.topic.empty()) throw InputError(origin + " has no topic");
-  return cloud;
+  const std::string above_0 = "more than 0 metres", seconds = "0 or more seconds";
+  CloudConfig c;
+  readFields(
+      origin, value, "a map such as {topic: camera/points, voxel_size: 0.02}",
+      "a setting of a cloud",
+      {{"topic", [&](auto& k, auto& v) { c.topic = topicOf(k, v); }},
+       {"voxel_size", [&](auto& k, auto& v) { c.voxel_size = numberOf(k, v, above_0, ABOVE_0); }},
+       {"max_range", [&](auto& k, auto& v) { c.max_range = numberOf(k, v, above_0, ABOVE_0); }},
+       {"min_points", [&](auto& k, auto& v) { c.min_points = wholeNumberOf(k, v, 1, 1000); }},
+       {"min_valid_points",
+        [&](auto& k, auto& v) { c.min_valid_points = wholeNumberOf(k, v, 0, MOST_VOXELS); }},
+       {"decay", [&](auto& k, auto& v) { c.decay = numberOf(k, v, seconds, {0.0}); }},
+       {"replace", [&](auto& k, auto& v) { c.replace = flagOf(k, v); }},
+       {"box", [&](auto& k, auto& v) { c.box = boxOf(k, v); }},
+       {"max_voxels",
+        [&](auto& k, auto& v) { c.max_voxels = wholeNumberOf(k, v, 1, MOST_VOXELS); }},
+       {"source_timeout",
+        [&](auto& k, auto& v) { c.source_timeout = numberOf(k, v, seconds, {0.0}); }},
+       {"self_filter_padding",
+        [&](auto& k, auto& v) {
+          c.self_filter_padding = numberOf(k, v, "0 to 0.5 metres", PADDING);
+        }},
+       {"touch_links", [&](auto& k, auto& v) { c.touch_links = namesOf(k, v); }}});
+  if (c.topic.empty()) throw InputError(origin + " has no topic");
+  return c;
 }
 
 }  // namespace

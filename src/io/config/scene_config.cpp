@@ -124,7 +124,7 @@ void readMaxHullVertices(const YAML::Node& value, SceneConfig& config) {
 void readPoseLimits(const YAML::Node& map, PoseLimits& limits) {
   const auto read = [&](const char* key, double& value) {
     const YAML::Node given = map[key];
-    if (given) value = numberOf(key, given, "a number of seconds, 0 or more", 0.0);
+    if (given) value = numberOf(key, given, "a number of seconds, 0 or more", {0.0});
   };
   read("max_pose_age", limits.max_pose_age);
   read("max_transform_age", limits.max_transform_age);

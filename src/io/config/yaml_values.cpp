@@ -4,6 +4,7 @@
 #include <set>
 
 #include "collision_pairs/input_error.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -72,11 +73,22 @@ std::string textOf(const std::string& key, const YAML::Node& value, const std::s
 }
 
 double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule,
-                double least) {
+                const Range& range) {
   double found = NAN;
   const bool is_number = value.IsScalar() && YAML::convert<double>::decode(value, found);
-  if (!is_number || !std::isfinite(found) || found < least) refuseValue(key, value, rule);
+  const bool is_low = found < range.least || (range.is_above && found == range.least);
+  if (!is_number || !std::isfinite(found) || is_low || found > range.most) {
+    refuseValue(key, value, rule);
+  }
   return found;
+}
+
+int wholeNumberOf(const std::string& key, const YAML::Node& value, int least, int most) {
+  const std::string rule =
+      "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  const double found = numberOf(key, value, rule, {double(least), double(most)});
+  if (found != std::floor(found)) refuseValue(key, value, rule);
+  return static_cast<int>(found);
 }
 
 bool flagOf(const std::string& key, const YAML::Node& value) {
@@ -96,9 +108,20 @@ std::vector<std::string> namesOf(const std::string& key, const YAML::Node& value
 }
 
 void forEntries(const std::string& key, const YAML::Node& value, const std::string& rule,
-                const std::function<void(const std::string&, const YAML::Node&)>& read) {
+                const ValueReader& read) {
   if (!value.IsMap()) refuseValue(key, value, rule);
   for (const auto& entry : value) read(textOf(key, entry.first, rule), entry.second);
+}
+
+void readFields(const std::string& origin, const YAML::Node& value, const std::string& rule,
+                const std::string& what, const std::map<std::string, ValueReader>& readers) {
+  forEntries(origin, value, rule, [&](const std::string& key, const YAML::Node& entry) {
+    const auto reader = readers.find(key);
+    if (reader != readers.end()) return reader->second(origin + '/' + key, entry);
+    std::vector<std::string> known;
+    for (const auto& other : readers) known.push_back(other.first);
+    throw InputError(origin + ": '" + key + "' is not " + what + didYouMean(key, known));
+  });
 }
 
 }  // namespace collision_pairs

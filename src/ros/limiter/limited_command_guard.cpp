@@ -22,8 +22,8 @@
 #include "limited_command.h"
 #include "limiter_parameters.h"
 #include "parameters.h"
-#include "real_time.h"
-#include "second_node.h"
+#include "ros_master.h"
+#include "thread_priority.h"
 #include "trajectory_command.h"
 
 namespace collision_pairs {

@@ -14,34 +14,29 @@ const std::string KEY = "velocity_limiter";
 // PassedCommands keeps commands for as long.
 constexpr double OLDEST_JOINT_STATE = 1.0;
 
-struct Range {
+struct Number {
   double LimiterSettings::*number;
-  double lowest, highest;
-  bool above_lowest;
+  Range range;
 };
 
-const std::map<std::string, Range> NUMBERS = {
-    {"reaction_time", {&LimiterSettings::reaction_time, 0.0, 10.0, false}},
-    {"command_timeout", {&LimiterSettings::command_timeout, 0.0, 10.0, true}},
-    {"max_joint_state_age", {&LimiterSettings::max_joint_state_age, 0.0, OLDEST_JOINT_STATE, true}},
-    {"stop_distance", {&LimiterSettings::stop_distance, 0.0, 10.0, false}},
-    {"self_stop_distance", {&LimiterSettings::self_stop_distance, 0.0, 10.0, false}},
-    {"obstacle_speed", {&LimiterSettings::obstacle_speed, 0.0, 100.0, false}},
-    {"retreat_scale", {&LimiterSettings::retreat_scale, 0.0, 1.0, false}},
-    {"ramp_up", {&LimiterSettings::ramp_up, 0.0, 1e6, true}},
-    {"tracking_tolerance", {&LimiterSettings::tracking_tolerance, 0.0, 10.0, true}},
+const std::map<std::string, Number> NUMBERS = {
+    {"reaction_time", {&LimiterSettings::reaction_time, {0.0, 10.0}}},
+    {"command_timeout", {&LimiterSettings::command_timeout, {0.0, 10.0, true}}},
+    {"max_joint_state_age",
+     {&LimiterSettings::max_joint_state_age, {0.0, OLDEST_JOINT_STATE, true}}},
+    {"stop_distance", {&LimiterSettings::stop_distance, {0.0, 10.0}}},
+    {"self_stop_distance", {&LimiterSettings::self_stop_distance, {0.0, 10.0}}},
+    {"obstacle_speed", {&LimiterSettings::obstacle_speed, {0.0, 100.0}}},
+    {"retreat_scale", {&LimiterSettings::retreat_scale, {0.0, 1.0}}},
+    {"ramp_up", {&LimiterSettings::ramp_up, {0.0, 1e6, true}}},
+    {"tracking_tolerance", {&LimiterSettings::tracking_tolerance, {0.0, 10.0, true}}},
 };
-const std::vector<std::string> WORDS = {"command", "command_type", "joints", "joint_states",
-                                        "deceleration"};
 
 double within(const std::string& key, const YAML::Node& value, const Range& range) {
-  const std::string rule = "a number from " + std::to_string(range.lowest) +
-                           (range.above_lowest ? " (excluded)" : "") + " to " +
-                           std::to_string(range.highest);
-  const double found = numberOf(key, value, rule);
-  const bool is_low = range.above_lowest ? found <= range.lowest : found < range.lowest;
-  if (is_low || found > range.highest) refuseValue(key, value, rule);
-  return found;
+  return numberOf(key, value,
+                  "a number from " + std::to_string(range.least) +
+                      (range.is_above ? " (excluded)" : "") + " to " + std::to_string(range.most),
+                  range);
 }
 
 bool isTrajectory(const std::string& key, const YAML::Node& value) {
@@ -54,7 +49,7 @@ bool isTrajectory(const std::string& key, const YAML::Node& value) {
 
 /// One number for all joints, or a map with one for each.
 void readDeceleration(const YAML::Node& value, LimiterParameters& parameters) {
-  const Range range{nullptr, 0.0, 1e6, true};
+  const Range range{0.0, 1e6, true};
   const std::string key = KEY + "/deceleration";
   if (!value.IsMap()) {
     parameters.law.deceleration.assign(parameters.joints.size(), within(key, value, range));
@@ -82,34 +77,29 @@ void readDeceleration(const YAML::Node& value, LimiterParameters& parameters) {
 
 std::optional<LimiterParameters> LimiterParameters::read(const YAML::Node& value) {
   if (!value || value.IsNull()) return std::nullopt;
-  const std::string rule =
-      "a map such as {command: servo/command, joints: [a, b], deceleration: 5}";
   if (value.IsMap() && value.size() == 0) return std::nullopt;
   LimiterParameters parameters;
   YAML::Node deceleration;
-  forEntries(KEY, value, rule, [&](const std::string& name, const YAML::Node& entry) {
-    const std::string key = KEY + '/' + name;
-    const auto number = NUMBERS.find(name);
-    if (number != NUMBERS.end()) {
-      parameters.law.*number->second.number = within(key, entry, number->second);
-    } else if (name == "command") {
-      parameters.command = textOf(key, entry, "the name of a topic");
-    } else if (name == "joint_states") {
-      parameters.joint_states = textOf(key, entry, "the name of a topic");
-    } else if (name == "command_type") {
-      parameters.is_trajectory = isTrajectory(key, entry);
-    } else if (name == "joints") {
-      parameters.joints = namesOf(key, entry);
-      for (std::string& joint : parameters.joints) joint = withoutLeadingSlash(joint);
-    } else if (name == "deceleration") {
-      deceleration = entry;
-    } else {
-      std::vector<std::string> known = WORDS;
-      for (const auto& other : NUMBERS) known.push_back(other.first);
-      throw InputError(KEY + ": '" + name + "' is not a setting of the limiter" +
-                       didYouMean(name, known));
-    }
-  });
+  const auto topicTo = [](std::string& topic) {
+    return [&](auto& key, auto& entry) { topic = textOf(key, entry, "the name of a topic"); };
+  };
+  std::map<std::string, ValueReader> readers = {
+      {"command", topicTo(parameters.command)},
+      {"joint_states", topicTo(parameters.joint_states)},
+      {"command_type", [&](auto& k, auto& v) { parameters.is_trajectory = isTrajectory(k, v); }},
+      {"joints",
+       [&](auto& k, auto& v) {
+         parameters.joints = namesOf(k, v);
+         for (std::string& joint : parameters.joints) joint = withoutLeadingSlash(joint);
+       }},
+      {"deceleration", [&](auto&, auto& v) { deceleration = v; }}};
+  for (const auto& [name, number] : NUMBERS) {
+    readers[name] = [&parameters, &number = number](auto& k, auto& v) {
+      parameters.law.*number.number = within(k, v, number.range);
+    };
+  }
+  readFields(KEY, value, "a map such as {command: servo/command, joints: [a, b], deceleration: 5}",
+             "a setting of the limiter", readers);
   if (parameters.command.empty()) throw InputError(KEY + " has no command: the topic to limit");
   if (parameters.joints.empty()) throw InputError(KEY + " has no joints: those of the command");
   if (deceleration.IsNull()) throw InputError(KEY + " has no deceleration");

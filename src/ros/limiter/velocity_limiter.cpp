@@ -10,7 +10,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "parameters.h"
-#include "real_time.h"
+#include "thread_priority.h"
 #include "trajectory_command.h"
 #include "user_text.h"
 

@@ -11,7 +11,6 @@
 #include "collision_pairs/input_error.h"
 #include "collision_pairs_node.h"
 #include "ros_master.h"
-#include "second_node.h"
 
 namespace {
 

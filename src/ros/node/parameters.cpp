@@ -1,7 +1,6 @@
 #include "parameters.h"
 
 #include <algorithm>
-#include <array>
 
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <ros/console.h>
@@ -11,34 +10,12 @@
 #include "collision_pairs/input_error.h"
 #include "ros_master.h"
 #include "user_text.h"
+#include "yaml_values.h"
 
 namespace collision_pairs {
 namespace {
 
 const std::string CONFIGURED = "configured";
-
-// As NodeHandle::getParam() converts.
-bool convert(XmlRpc::XmlRpcValue& from, double& to) {
-  if (from.getType() == XmlRpc::XmlRpcValue::TypeInt) {
-    to = static_cast<int&>(from);
-    return true;
-  }
-  if (from.getType() != XmlRpc::XmlRpcValue::TypeDouble) return false;
-  to = static_cast<double&>(from);
-  return true;
-}
-
-bool convert(XmlRpc::XmlRpcValue& from, bool& to) {
-  if (from.getType() != XmlRpc::XmlRpcValue::TypeBoolean) return false;
-  to = static_cast<bool&>(from);
-  return true;
-}
-
-bool convert(XmlRpc::XmlRpcValue& from, std::string& to) {
-  if (from.getType() != XmlRpc::XmlRpcValue::TypeString) return false;
-  to = static_cast<std::string&>(from);
-  return true;
-}
 
 YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   using XmlRpc::XmlRpcValue;
@@ -65,13 +42,6 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   }
 }
 
-/// As a YAML file has it, on one line.
-std::string asWritten(XmlRpc::XmlRpcValue& value) {
-  YAML::Emitter text;
-  text << YAML::Flow << toYaml(value);
-  return text.c_str();
-}
-
 /// Reads parameters; invalid ones are replaced by the current `value`.
 class Reader {
  public:
@@ -79,48 +49,39 @@ class Reader {
 
   void number(const std::string& name, double lowest, double highest, double& value) const {
     const std::string rule =
-        "must be a number from " + std::to_string(lowest) + " to " + std::to_string(highest);
-    read(name, rule, value, [&](double found) { return found >= lowest && found <= highest; });
+        "a number from " + std::to_string(lowest) + " to " + std::to_string(highest);
+    read(name, value, [&](const std::string& key, const YAML::Node& given) {
+      return numberOf(key, given, rule, {lowest, highest});
+    });
   }
 
-  void flag(const std::string& name, bool& value) const {
-    read(name, "must be true or false", value, [](bool) { return true; });
-  }
+  void flag(const std::string& name, bool& value) const { read(name, value, flagOf); }
 
   void word(const std::string& name, std::string& value) const {
-    read(name, "must be text", value, [](const std::string&) { return true; });
+    read(name, value, [](const std::string& key, const YAML::Node& given) {
+      return textOf(key, given, "text");
+    });
   }
 
-  void oneOf(const std::string& name, const std::array<std::string, 2>& words,
+  void oneOf(const std::string& name, const std::vector<std::string>& words,
              std::string& value) const {
-    std::string given = value;
-    word(name, given);
-    if (given == words[0] || given == words[1]) {
-      value = given;
-    } else {
-      replace(name, "'" + given + "'", "must be " + words[0] + " or " + words[1], value);
-    }
-  }
-
-  template <typename T>
-  void replace(const std::string& name, const std::string& given, const std::string& rule,
-               const T& value) const {
-    ROS_ERROR_STREAM("parameter " << node_.resolveName(name) << " is " << given << ", but " << rule
-                                  << "; using " << std::boolalpha << value);
-    node_.setParam(name, value);
+    read(name, value, [&](const std::string& key, const YAML::Node& given) {
+      const std::string rule = "one of " + joined(words), text = textOf(key, given, rule);
+      if (!contains(words, text)) refuseValue(key, given, rule);
+      return text;
+    });
   }
 
  private:
-  template <typename T, class IsValid>
-  void read(const std::string& name, const std::string& rule, T& value,
-            const IsValid& is_valid) const {
-    XmlRpc::XmlRpcValue given;
-    if (!readParameter(node_, name, given)) return;
-    T found = value;
-    if (convert(given, found) && is_valid(found)) {  // it has the type
-      value = found;
-    } else {
-      replace(name, asWritten(given), rule, value);
+  template <typename T, class Read>
+  void read(const std::string& name, T& value, const Read& read_value) const {
+    const YAML::Node given = yamlParameters(node_, {name})[name];
+    if (!given) return;
+    try {
+      value = read_value("parameter " + node_.resolveName(name), given);
+    } catch (const InputError& error) {
+      ROS_ERROR_STREAM(error.what() << "; using " << std::boolalpha << value);
+      node_.setParam(name, value);
     }
   }
 
@@ -226,13 +187,8 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   reader.oneOf("broad_phase", {"auto", "sweep"}, broad_phase);
   parameters.check.broad_phase = parseBroadPhase(broad_phase);
   std::string fidelity = fidelityName(parameters.check.fidelity);
-  reader.word("fidelity", fidelity);
-  try {
-    parameters.check.fidelity = parseFidelity(fidelity);
-  } catch (const InputError& error) {
-    reader.replace("fidelity", "'" + fidelity + "'", "must be aabb, spheres, obb, convex or mesh",
-                   std::string(fidelityName(parameters.check.fidelity)));
-  }
+  reader.oneOf("fidelity", {"aabb", "spheres", "obb", "convex", "mesh"}, fidelity);
+  parameters.check.fidelity = parseFidelity(fidelity);
   return parameters;
 }
 

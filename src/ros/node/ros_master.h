@@ -1,4 +1,4 @@
-// Questions to the ROS master that tell "no" from no answer.
+// Questions to the ROS master that tell "no" from no answer, and to other nodes.
 #pragma once
 
 #include <string>
@@ -12,5 +12,11 @@ namespace collision_pairs {
 /// it does not answer; it does not wait. Functions of roscpp say false for both.
 bool askMaster(const std::string& method, const std::string& first, const std::string& second,
                XmlRpc::XmlRpcValue& answer);
+
+/// True, with an error in the log, if the master knows a node of this name that is alive. A new one
+/// would make the master end it, and where a launch file starts it again, it would end the new one,
+/// and so on. Takes at most some seconds. Call it after ros::init() and before the first
+/// NodeHandle, which registers the node.
+bool isSecondNode();
 
 }  // namespace collision_pairs

@@ -8,8 +8,8 @@
 #include "collision_pairs/motion_check.h"
 #include "conversions.h"
 #include "joint_limits.h"
-#include "low_priority.h"
 #include "snapshot_check.h"
+#include "thread_priority.h"
 #include "user_text.h"
 
 namespace collision_pairs {

@@ -7,7 +7,7 @@
 #include <boost/make_shared.hpp>
 #include <ros/console.h>
 
-#include "low_priority.h"
+#include "thread_priority.h"
 #include "user_text.h"
 
 namespace collision_pairs {
