@@ -27,15 +27,20 @@ class TrajectoryOfTwo : public testing::Test {
     measured_.take(jointState(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
     decision_.scale = 0.5;
     decision_.command = {0.5, 1.0};
+    parameters_.joints = {"a", "b"};
+    parameters_.law.reaction_time = 3.0;
+    parameters_.law.max_joint_state_age = 0.1;
   }
   std::string refused() const {
-    return refusal([&] { velocitiesOf(command_, {"a", "b"}); });
+    return refusal(
+        [&] { velocitiesOf(command_, parameters_.joints, parameters_.law.reaction_time); });
   }
   trajectory_msgs::JointTrajectory passed() const {
-    return limitedTrajectory(command_, {"a", "b"}, decision_, measured_, now_, 0.1);
+    return limitedTrajectory(command_, parameters_, decision_, measured_, now_);
   }
   std::string limited() const { return printed(passed()); }
   trajectory_msgs::JointTrajectory command_;
+  LimiterParameters parameters_;
   JointPositions measured_;
   double now_ = 1.05;
   LimiterDecision decision_;
@@ -64,15 +69,14 @@ TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
   EXPECT_EQ(limited(), begin + velocities + end);
 }
 
-// A trajectory controller drops a point of the past, and takes all of its time for one that is far.
-TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
+// A trajectory controller drops a point of the past, and begins a ramp anew with each point.
+TEST_F(TrajectoryOfTwo, StopsNowAndInItsOwnTime) {
   command_.header.stamp = ros::Time(17.0);
   decision_.command = {0.5, 1.0};
   EXPECT_TRUE(passed().header.stamp.isZero()) << "later it is not certified";
   decision_ = {};
   decision_.command = {0.0, 0.0};
-  const auto stop = [&](double seconds_to_rest, double given) {
-    decision_.seconds_to_rest = seconds_to_rest;
+  const auto stop = [&](double given) {
     command_.points[0].time_from_start = ros::Duration(given);
     const auto limited = passed();
     EXPECT_TRUE(limited.header.stamp.isZero()) << "at once";
@@ -81,14 +85,24 @@ TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
     EXPECT_THAT(limited.points[0].positions, ElementsAre(12.0, 10.0));
     return limited.points[0].time_from_start.toSec();
   };
-  EXPECT_DOUBLE_EQ(stop(1e11, 0.0), 1e6) << "a message can say 68 years";
-  EXPECT_DOUBLE_EQ(stop(0.25, 3.0), 0.25);
-  EXPECT_DOUBLE_EQ(stop(0.25, 0.1), 0.1);
-  EXPECT_DOUBLE_EQ(stop(0.0, 3.0), 0.01) << "a point of now is dropped";
-  EXPECT_DOUBLE_EQ(stop(0.0, 0.0), 0.01);
-  EXPECT_DOUBLE_EQ(stop(0.25, -1.0), 0.25);
+  EXPECT_DOUBLE_EQ(stop(3.0), 3.0);
+  EXPECT_DOUBLE_EQ(stop(0.1), 0.1);
+  EXPECT_DOUBLE_EQ(stop(0.0), 0.01) << "a point of now is dropped";
+  EXPECT_DOUBLE_EQ(stop(-1.0), 0.01);
   command_.points.clear();
-  EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(0.25));
+  EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(0.01));
+}
+
+// The controller takes all of that time, and a robot that is to stop in a metre would not.
+TEST_F(TrajectoryOfTwo, IsReachedWithinTheReactionTime) {
+  EXPECT_EQ(refused(), "accepted");
+  command_.points[0].time_from_start = ros::Duration(3.001);
+  EXPECT_EQ(refused(),
+            "the command has a time_from_start of 3.001 s, but must be in effect within "
+            "reaction_time, 3 s");
+  const auto zeros = passed().points[0];
+  EXPECT_THAT(zeros.velocities, ElementsAre(0.0, 0.0));
+  EXPECT_EQ(zeros.time_from_start, ros::Duration(0.01));
 }
 
 // A controller would go there in the time of a stop, from wherever the robot is now.
@@ -152,13 +166,12 @@ TEST_F(TrajectoryOfTwo, ThatIsRefusedIsAnsweredByZerosOfTheLimitersJoints) {
   const auto refused_one = command_;
   const auto expectZeros = [&](const std::vector<double>& positions) {
     EXPECT_NE(refused(), "accepted");
-    decision_.seconds_to_rest = 0.25;
     const auto zeros = passed();
     EXPECT_THAT(zeros.joint_names, ElementsAre("a", "b"));
     ASSERT_EQ(zeros.points.size(), 1u);
     EXPECT_THAT(zeros.points[0].velocities, ElementsAre(0.0, 0.0));
     EXPECT_EQ(zeros.points[0].positions, positions);
-    EXPECT_EQ(zeros.points[0].time_from_start, ros::Duration(0.25));
+    EXPECT_EQ(zeros.points[0].time_from_start, ros::Duration(0.01));
     command_ = refused_one;
   };
   const std::vector<double> measured = {10.0, 12.0};

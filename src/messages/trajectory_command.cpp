@@ -4,11 +4,12 @@
 #include <cstddef>
 
 #include "collision_pairs/input_error.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 
 std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,
-                                 const std::vector<std::string>& joints) {
+                                 const std::vector<std::string>& joints, double reaction_time) {
   if (command.points.size() != 1) {
     throw InputError("the command has " + std::to_string(command.points.size()) +
                      " points, but must have one");
@@ -28,13 +29,20 @@ std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command
     }
     velocities.push_back(given[static_cast<std::size_t>(found - names.begin())]);
   }
+  const double seconds = command.points.front().time_from_start.toSec();
+  if (seconds > reaction_time) {
+    throw InputError(
+        formatted("the command has a time_from_start of %g s, but must be in effect within "
+                  "reaction_time, %g s",
+                  seconds, reaction_time));
+  }
   return velocities;
 }
 
 bool isAccepted(const trajectory_msgs::JointTrajectory& command,
-                const std::vector<std::string>& joints) {
+                const std::vector<std::string>& joints, double reaction_time) {
   try {
-    velocitiesOf(command, joints);
+    velocitiesOf(command, joints, reaction_time);
     return true;
   } catch (const InputError&) {
     return false;

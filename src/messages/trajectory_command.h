@@ -1,6 +1,7 @@
 // Velocity commands of type trajectory_msgs/JointTrajectory.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,13 @@
 namespace collision_pairs {
 
 /// In the order of `joints`. Throws InputError unless the command has one point with a velocity for
-/// each of them, in any order, and no other.
+/// each of them, in any order, and no other, to be reached within `reaction_time`, s.
 std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,
-                                 const std::vector<std::string>& joints);
+                                 const std::vector<std::string>& joints,
+                                 double reaction_time = std::numeric_limits<double>::infinity());
 
 /// Whether velocitiesOf() accepts the command.
 bool isAccepted(const trajectory_msgs::JointTrajectory& command,
-                const std::vector<std::string>& joints);
+                const std::vector<std::string>& joints, double reaction_time);
 
 }  // namespace collision_pairs

@@ -77,7 +77,6 @@ void CommandOutlet::publish(const LimiterDecision& decision, const Time& since) 
   const Time now = settings_.now();
   untold_.push_back({now.latest, decision});
   watch_.published(begun, now.latest, decision.command);
-  seconds_to_rest_ = decision.seconds_to_rest;
   since_ = since;
   if (!std::exchange(is_watched_, true)) changed_.notify_all();
 }
@@ -118,7 +117,6 @@ LimiterDecision CommandOutlet::zeros(std::string reason) const {
   LimiterDecision zeros;
   zeros.command.assign(settings_.joints.size(), 0.0);
   zeros.reason = std::move(reason);
-  zeros.seconds_to_rest = seconds_to_rest_;
   return zeros;
 }
 

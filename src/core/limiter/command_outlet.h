@@ -83,7 +83,6 @@ class CommandOutlet {
   bool is_watched_ = false;  // zeros are due after the time-out
   Time since_;               // it counts from here
   bool is_deciding_ = false;
-  double seconds_to_rest_ = 0.0;
   std::thread watchdog_;  // last: it uses the others
 };
 

@@ -88,7 +88,6 @@ LimiterDecision LimiterLaw::stop(const std::string& reason) const {
   LimiterDecision decision;
   decision.command.assign(settings_.deceleration.size(), 0.0);
   decision.reason = reason;
-  decision.seconds_to_rest = passed_.secondsToRest(decision.command);
   return decision;
 }
 
@@ -146,7 +145,6 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
     }
     if (question.touches) decision.verdict = Verdict::COLLISION;
     decision.command = scaled(input.command, decision.scale);
-    decision.seconds_to_rest = passed_.secondsToRest(decision.command);
     decision.first = question.refused.first;
     decision.second = question.refused.second;
     if (question.is_retreat) {

@@ -107,8 +107,7 @@ struct LimiterDecision {
   std::string reason;  ///< empty: the whole command passes
   /// Until then it may be published: LimiterInput::now. Zeros of stop(): at any time.
   double publish_by = std::numeric_limits<double>::infinity();
-  std::vector<double> stopped;   ///< the command, if it is stopped for a pair; else empty
-  double seconds_to_rest = 0.0;  ///< s, until the robot stands after zeros, by its deceleration
+  std::vector<double> stopped;  ///< the command, if it is stopped for a pair; else empty
 };
 
 /// Passes a command at the largest scale, found with a few certificates, at which the robot's whole

@@ -118,16 +118,6 @@ PassedCommands::Way PassedCommands::way(std::size_t joint, double from, double t
   return way;
 }
 
-double PassedCommands::secondsToRest(const std::vector<double>& next) const {
-  double longest = 0.0;
-  for (std::size_t j = 0; j < next.size(); ++j) {
-    double fastest = std::abs(next[j]);
-    for (const Passed& passed : passed_) fastest = std::max(fastest, std::abs(passed.command[j]));
-    longest = std::max(longest, fastest / response_.deceleration[j]);
-  }
-  return longest;
-}
-
 std::size_t PassedCommands::firstInEffect(double stamp, double now) const {
   std::size_t first = passed_.size() - 1;
   while (first > 0 && endOf(first - 1, now) > stamp) --first;

@@ -60,9 +60,6 @@ class PassedCommands {
   };
   Way way(std::size_t joint, double from, double to, double early, bool may_stand) const;
 
-  /// The longest that a joint takes to rest, from `next` or a command that may be in effect.
-  double secondsToRest(const std::vector<double>& next) const;
-
   /// True if whatever is in effect from `stamp` on is a multiple, >= 0, of the direction.
   bool areAlong(const std::vector<double>& direction, double stamp) const;
 

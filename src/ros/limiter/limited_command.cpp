@@ -14,8 +14,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr std::size_t MOST_NAMES = 10000;  // of joints: names are external input
-constexpr double SHORTEST_STOP = 0.01;     // s: a trajectory controller drops a point at once
-constexpr double LONGEST_STOP = 1e6;       // s, which messages can say
+constexpr double SHORTEST_STOP = 0.01;     // s: a trajectory controller drops a point of now
 
 bool isNotZero(double velocity) { return velocity != 0.0; }
 // Splines and joysticks leave something of a zero.
@@ -132,26 +131,23 @@ void refuseLoop(const std::string& read, const std::string& passed_on) {
 }
 
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
-                                                   const std::vector<std::string>& joints,
+                                                   const LimiterParameters& parameters,
                                                    const LimiterDecision& decision,
-                                                   const JointPositions& measured, double now,
-                                                   double max_age) {
+                                                   const JointPositions& measured, double now) {
+  const std::vector<std::string>& joints = parameters.joints;
   trajectory_msgs::JointTrajectory limited;
   limited.header.frame_id = command.header.frame_id;
-  const bool is_accepted = isAccepted(command, joints);  // and has one point
+  const bool is_accepted = isAccepted(command, joints, parameters.law.reaction_time);
   limited.joint_names = is_accepted ? command.joint_names : joints;
   limited.points.resize(1);
   auto& point = limited.points.front();
   if (is_accepted) point.time_from_start = command.points.front().time_from_start;
   if (!is_accepted || std::none_of(decision.command.begin(), decision.command.end(), isNotZero)) {
-    const ros::Duration stop(
-        std::min(std::max(SHORTEST_STOP, decision.seconds_to_rest), LONGEST_STOP));
-    if (point.time_from_start <= ros::Duration() || point.time_from_start > stop) {
-      point.time_from_start = stop;
-    }
+    point.time_from_start = std::max(point.time_from_start, ros::Duration(SHORTEST_STOP));
   }
-  const bool has_positions = asksForPositions(command, is_accepted) &&
-                             measured.areYoung(limited.joint_names, now, max_age);
+  const bool has_positions =
+      asksForPositions(command, is_accepted) &&
+      measured.areYoung(limited.joint_names, now, parameters.law.max_joint_state_age);
   for (std::size_t i = 0; i < limited.joint_names.size(); ++i) {
     const auto joint = std::find(joints.begin(), joints.end(), limited.joint_names[i]);
     const auto at = static_cast<std::size_t>(joint - joints.begin());

@@ -11,6 +11,7 @@
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include "limiter_law.h"
+#include "limiter_parameters.h"
 
 namespace collision_pairs {
 
@@ -64,15 +65,14 @@ void refuseLoop(const std::string& read, const std::string& passed_on);
 /// The command with the velocities that the decision passes, in the command's order. Positions, if
 /// it has some, are on the way from the measured ones to the given ones, by the scale, and no
 /// further from them than these velocities lead in time_from_start; there are none if a measured
-/// one is older than `max_age` at `now`: they would lead there from wherever the robot is. Of a
-/// command that is not isAccepted(): zeros of the limiter's `joints`, whatever it names, with
-/// positions if it has some. All begins now, whatever stamp the command has,
-/// since later it is not certified; zeros end within the time that the robot's deceleration needs,
-/// if the command does not say less.
+/// one is older than max_joint_state_age at `now`: they would lead there from wherever the robot
+/// is. Of a command that is not isAccepted(): zeros of the limiter's `joints`, whatever it names,
+/// with positions if it has some. All begins now, whatever stamp the command has, since later it is
+/// not certified, and is reached in the command's own time_from_start: a ramp of a length that was
+/// chosen here would begin anew with each repetition, and never end.
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
-                                                   const std::vector<std::string>& joints,
+                                                   const LimiterParameters& parameters,
                                                    const LimiterDecision& decision,
-                                                   const JointPositions& measured, double now,
-                                                   double max_age);
+                                                   const JointPositions& measured, double now);
 
 }  // namespace collision_pairs

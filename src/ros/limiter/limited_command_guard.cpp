@@ -119,35 +119,17 @@ class Guard {
     return command.data.size() == parameters_.joints.size();
   }
   bool isOfAllJoints(const trajectory_msgs::JointTrajectory& command) const {
-    return isAccepted(command, parameters_.joints);
+    return isAccepted(command, parameters_.joints, parameters_.law.reaction_time);
   }
-  static std::vector<double> velocities(const std_msgs::Float64MultiArray& command) {
-    return command.data;
-  }
-  static std::vector<double> velocities(const trajectory_msgs::JointTrajectory& command) {
-    return command.points.empty() ? std::vector<double>() : command.points.front().velocities;
-  }
-  double secondsToRest(const Command& command) const {
-    double seconds = 0.0;
-    const auto& all = parameters_.law.deceleration;
-    const double slowest = *std::min_element(all.begin(), all.end());
-    for (const double velocity : velocities(command)) {
-      seconds = std::max(seconds, std::abs(velocity) / slowest);
-    }
-    return seconds;
-  }
-
   Command zerosAs(const Command& command) const {
     LimiterDecision zeros;
     zeros.command.assign(parameters_.joints.size(), 0.0);
-    zeros.seconds_to_rest = secondsToRest(command);
     if constexpr (IS_ARRAY) {
       Command sent = command;
       sent.data = zeros.command;
       return sent;
     } else {
-      return limitedTrajectory(command, parameters_.joints, zeros, positions_,
-                               ros::Time::now().toSec(), parameters_.law.max_joint_state_age);
+      return limitedTrajectory(command, parameters_, zeros, positions_, ros::Time::now().toSec());
     }
   }
 

@@ -265,8 +265,9 @@ void VelocityLimiter::answer(const CommandPtr& command) {
 LimiterDecision VelocityLimiter::decide(const Command& command,
                                         std::chrono::steady_clock::time_point start) {
   LimiterInput input;
-  input.command =
-      command.array ? command.array->data : velocitiesOf(*command.trajectory, parameters_->joints);
+  input.command = command.array ? command.array->data
+                                : velocitiesOf(*command.trajectory, parameters_->joints,
+                                               parameters_->law.reaction_time);
   const auto prepared = [&](const ActiveScenePtr& active) {
     if (!active) throw InputError("there is no robot yet");
     return prepared_->get({active->scene, context_.defaults().fidelity},
@@ -307,9 +308,8 @@ void VelocityLimiter::send(const Command& layout, const LimiterDecision& decisio
     limited_.publish(limited);
   } else {
     std::unique_lock<std::mutex> lock(inputs_mutex_);
-    const auto limited =
-        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, inputs_->positions(),
-                          ros::Time::now().toSec(), parameters_->law.max_joint_state_age);
+    const auto limited = limitedTrajectory(*layout.trajectory, *parameters_, decision,
+                                           inputs_->positions(), ros::Time::now().toSec());
     lock.unlock();
     limited_.publish(limited);
   }
