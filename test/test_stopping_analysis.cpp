@@ -9,11 +9,13 @@
 #include "collision_pairs/input_error.h"
 #include "random_inputs.h"
 #include "recorded_servo.h"
+#include "refusal.h"
 #include "stopping_analysis.h"
 
 namespace collision_pairs {
 namespace test_stopping_analysis {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -307,6 +309,49 @@ TEST(StoppingAnalysis, AJointThatHasNotSettledWhenTheNextCommandComesIsNoStep) {
   const auto found = analysisOf(random, its, truth, outside);
   EXPECT_GE(found.joints[0].joint.nb_other, 3u);
   for (const StoppingStep& step : found.joints[0].joint.steps) EXPECT_LE(step.change(), 0.6);
+}
+
+/// Held for 1 s, it has not come to rest then: only the other direction can be measured.
+TEST(StoppingAnalysis, ADirectionThatIsTooSlowToBeMeasuredIsRefused) {
+  RandomInputs random;
+  Case its;
+  its.recorder.noise = 1e-5;
+  its.velocity = 0.5;
+  its.servo.slope_up = 0.3;
+  Truth truth;
+  Outside outside;
+  EXPECT_THAT(refusal([&] { analysisOf(random, its, truth, outside); }),
+              AllOf(HasSubstr("joint 'elbow': when its command changes from "),
+                    HasSubstr("hold each velocity until the joint follows it")));
+  its.hold = 4.0;
+  EXPECT_LE(analysisOf(random, its, truth, outside).joints[0].deceleration, 0.3);
+}
+
+/// … and so where joint states are missing in each slow stop.
+TEST(StoppingAnalysis, AChangeWithoutJointStatesIsNotLeftOut) {
+  RandomInputs random;
+  Case its;
+  its.recorder.noise = 1e-5;
+  its.servo.slope_up = 0.6;
+  const std::vector<double> steps = stepsAt({0.4, 0.2, 0.4});
+  const Truth truth = drive(random, its.servo, steps, 1.0, 2.0, 1.0 + 2.0 * double(steps.size()));
+  std::vector<StoppingRecording::State> states, kept;
+  record(random, truth, its.recorder, states);
+  double before = 0.0;
+  std::vector<double> gaps;
+  for (std::size_t i = 0; i < truth.changes.size(); ++i) {
+    if (truth.values[i] > before) gaps.push_back(truth.changes[i] + 0.3);
+    before = truth.values[i];
+  }
+  for (const auto& state : states) {
+    const bool is_in_gap = std::any_of(gaps.begin(), gaps.end(), [&](double begin) {
+      return state.stamp > begin && state.stamp < begin + 0.05;
+    });
+    if (!is_in_gap) kept.push_back(state);
+  }
+  EXPECT_THAT(refusal([&] { analyseStopping(recordingOf(truth, kept)); }),
+              HasSubstr("while joint states are recorded"));
+  EXPECT_LE(analyseStopping(recordingOf(truth, states)).joints[0].deceleration, 0.6);
 }
 
 TEST(StoppingAnalysis, OvershootAndSlopesThatCannotBeToldAreSaid) {

@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "collision_pairs/input_error.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -228,6 +229,22 @@ void lowerDeceleration(JointStopping& found, double reaction_time) {
   }
 }
 
+/// What was not measured to its end must not go further either.
+void requireCovered(const JointStopping& found, double reaction_time) {
+  const double allowed = std::max(found.outside, allowedWay(found.joint));
+  for (const StoppingStep& step : found.joint.unfinished) {
+    const double outside = outsideOf(step, found, reaction_time);
+    if (outside <= allowed) continue;
+    throw InputError(
+        formatted("joint '%s': when its command changes from %g to %g, %.2f s after the "
+                  "first, it goes %.2g further than its steps say that it can, and is "
+                  "not measured to its end: hold each velocity until the joint "
+                  "follows it, while joint states are recorded",
+                  found.joint.name.c_str(), step.commanded_from, step.commanded_to,
+                  step.time - found.joint.first_command, outside));
+  }
+}
+
 void warnOf(const JointStopping& found, std::vector<std::string>& warnings) {
   const RecordedJoint& joint = found.joint;
   const auto say = [&](bool is_so, const std::string& what) {
@@ -308,6 +325,7 @@ StoppingAnalysis analyseStopping(const StoppingRecording& recording) {
   }
   for (JointStopping& found : analysis.joints) {
     lowerDeceleration(found, analysis.reaction_time);
+    requireCovered(found, analysis.reaction_time);
     warnOf(found, analysis.warnings);
   }
   return analysis;

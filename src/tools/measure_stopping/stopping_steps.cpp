@@ -76,6 +76,7 @@ std::vector<double> StoppingStep::beyond() const {
 RecordedJoint::RecordedJoint(const StoppingRecording& recording, std::size_t joint)
     : name(recording.joints[joint]), velocities_{0.0} {
   takeStates(recording.states[joint]);
+  if (!recording.commands.empty()) first_command = recording.commands.front().arrival;
   std::vector<double> others(recording.joints.size(), 0.0);
   for (const auto& command : recording.commands) {
     const double velocity = command.velocities[joint];
@@ -140,23 +141,29 @@ bool RecordedJoint::takeStep(std::size_t i, double before, double after) {
   step.time = times_[i];
   step.seconds = std::min(after, LONGEST_AFTER);
   gather(step.time, -std::min(0.5 * before, LONGEST_BEFORE), step.seconds, step);
-  for (std::size_t k = 1; k < step.t.size(); ++k) {
-    if (step.t[k] - step.t[k - 1] > LONGEST_GAP * period) return false;
-  }
   const auto first = lineThrough(step, -before, 0.0);
   const auto last = lineThrough(step, 0.5 * step.seconds, step.seconds);
-  if (!first || !last) return false;
-  const double change = std::abs(first->slope - last->slope);
+  if (!first) return false;
+  const double change = std::abs(first->slope - (last ? last->slope : velocities_[i + 1]));
   if (!isSettled(step, step.t.front(), 0.0, change)) return false;
-  if (!isSettled(step, 0.5 * step.seconds, step.seconds, change)) return false;
+  step.commanded_from = velocities_[i], step.commanded_to = velocities_[i + 1];
+  step.from = first->slope, step.to = step.commanded_to;
+  step.start = first->at_zero;
+  step.velocity_error = first->slope_error;
+  bool is_whole = last.has_value();
+  for (std::size_t k = 1; k < step.t.size(); ++k) {
+    is_whole = is_whole && step.t[k] - step.t[k - 1] <= LONGEST_GAP * period;
+  }
+  if (!is_whole || !isSettled(step, 0.5 * step.seconds, step.seconds, change)) {
+    unfinished.push_back(std::move(step));
+    return false;
+  }
   compare(velocities_[i], first->slope, 3.0 * first->slope_error);
   compare(velocities_[i + 1], last->slope, 3.0 * last->slope_error);
   if (change < LEAST_CHANGE) return false;
   squares_ += first->squares + last->squares;
   nb_free_ += first->nb_free + last->nb_free;
-  step.commanded_from = velocities_[i], step.commanded_to = velocities_[i + 1];
-  step.from = first->slope, step.to = last->slope;
-  step.start = first->at_zero, step.end = last->at_zero;
+  step.to = last->slope, step.end = last->at_zero;
   step.error = std::hypot(first->error, last->error);
   step.velocity_error = std::hypot(first->slope_error, last->slope_error);
   const auto other =

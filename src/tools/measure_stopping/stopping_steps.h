@@ -51,7 +51,11 @@ class RecordedJoint {
 
   std::string name;
   std::vector<StoppingStep> steps;
+  /// Held as well, but not until the joint followed, or joint states are missing: `to` is what was
+  /// commanded. Nothing is measured in these, but they may be the slowest.
+  std::vector<StoppingStep> unfinished;
   std::size_t nb_other = 0;               ///< changes that are no steps
+  double first_command = 0.0;             ///< its arrival
   double noise = 0.0;                     ///< standard deviation of positions
   double period = 0.0;                    ///< s: median of the states'
   double latest = 0.0;                    ///< s: most from stamp to arrival
