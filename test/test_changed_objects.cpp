@@ -49,6 +49,7 @@ TEST_F(Changed, WhatIsWrongIsNamedAsByABuild) {
   EXPECT_THAT(refusal({{}, {"nea"}}), HasSubstr("no object 'nea' to remove; did you mean 'near'?"));
   EXPECT_THAT(refusal({{box("a", 0)}, {}}), HasSubstr("object 'a' has the name of a link"));
   EXPECT_THAT(refusal({{box("", 0)}, {}}), HasSubstr("no name"));
+  EXPECT_THAT(refusal({{box("new", 0), box("new", 5)}, {}}), HasSubstr("'new' is given twice"));
   RigidObject bad = box("bad", 0);
   bad.touch_links = {"nowhere"};
   EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("'nowhere'"));

@@ -17,7 +17,7 @@ const std::string NO_LIMITS = "<limit effort='1' velocity='1'/>";
 /// A chain of one joint of each kind.
 std::shared_ptr<const RobotModel> allKinds() {
   std::string links;
-  for (const char* name : {"root", "a", "b", "c", "d", "e", "f", "g", "h"})
+  for (const char* name : {"root", "a", "b", "c", "d", "e", "f", "g", "h", "i", "j"})
     links += emptyLink(name);
   return robotFrom(
       links + joint("turn", "revolute", "root", "a", "0 0 0", "<limit lower='-1' upper='3'/>") +
@@ -28,7 +28,9 @@ std::shared_ptr<const RobotModel> allKinds() {
       joint("stiff", "fixed", "d", "e", "0 0 0", "") +
       joint("free", "floating", "e", "f", "0 0 0", "") +
       joint("endless", "prismatic", "f", "g", "0 0 0", NO_LIMITS) +
-      joint("unlimited", "revolute", "g", "h", "0 0 0", NO_LIMITS));
+      joint("unlimited", "revolute", "g", "h", "0 0 0", NO_LIMITS) +
+      joint("vast", "prismatic", "h", "i", "0 0 0", "<limit lower='-1e16' upper='1e16'/>") +
+      joint("wound", "revolute", "i", "j", "0 0 0", "<limit lower='-1e16' upper='1e16'/>"));
 }
 
 class Sampler : public testing::Test {
@@ -51,7 +53,11 @@ TEST_F(Sampler, DrawsEvenlyBetweenTheLimits) {
   const struct {
     const char* joint;
     double lower, upper;
-  } ranges[] = {{"turn", -1, 3}, {"spin", -pi, pi}, {"slide", 0.5, 0.75}, {"unlimited", -pi, pi}};
+  } ranges[] = {{"turn", -1, 3},
+                {"spin", -pi, pi},
+                {"slide", 0.5, 0.75},
+                {"unlimited", -pi, pi},
+                {"wound", -pi, pi}};
   for (const auto& range : ranges) {
     std::vector<int> tenths(10, 0);
     for (const double q : drawnOf(range.joint, 10000)) {
@@ -78,9 +84,9 @@ TEST_F(Sampler, AppliesMimicsAndLeavesStandingWhatHasNoRange) {
   sampler_.draw(5, q);
   EXPECT_EQ(sampler_.ranges()[robot_->findJoint("follow")].upper, 0.0);  // not by itself
   EXPECT_DOUBLE_EQ(q[robot_->findJoint("follow")], 1.0 - 2.0 * q[robot_->findJoint("turn")]);
-  for (const char* joint : {"stiff", "free", "endless"})
+  for (const char* joint : {"stiff", "free", "endless", "vast"})
     EXPECT_EQ(q[robot_->findJoint(joint)], 0.0);
-  EXPECT_THAT(sampler_.standingJoints(), ElementsAre("free", "endless"));
+  EXPECT_THAT(sampler_.standingJoints(), ElementsAre("free", "endless", "vast"));
 }
 
 TEST_F(Sampler, StateDependsOnSeedAndIndexAlone) {

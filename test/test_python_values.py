@@ -158,6 +158,8 @@ def test_vertices_that_are_not_rows_of_three_are_refused(vertices):
             make(vertices)
     with pytest.raises(cp.InputError, match=r"^triangles must be an array of shape \(n, 3\)$"):
         cp.Mesh(np.eye(3), vertices)
+    with pytest.raises(cp.InputError, match=r"^triangles must be an array of shape \(n, 3\)$"):
+        cp.Mesh(np.eye(3), np.eye(3) > 0)  # indices 0 and 1
 
 
 @pytest.mark.parametrize("index", [-1, 0.5, 2.0**32, np.nan, np.inf])

@@ -41,11 +41,13 @@ T valid(const T& shape) {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// A list counts as an array. Null if these are no real numbers, or some are masked.
+/// A list counts as an array. Null if these are no real numbers (of truth values, indices would be
+/// 0 and 1), or some are masked.
 Numbers numbersFrom(const py::handle& value) {
   const py::array array = py::array::ensure(value);
-  if (!array || array.dtype().kind() == 'c' || isMasked(value))
-    return py::reinterpret_steal<Numbers>(nullptr);
+  const bool are_numbers =
+      array && std::string("fiuO").find(array.dtype().kind()) != std::string::npos;
+  if (!are_numbers || isMasked(value)) return py::reinterpret_steal<Numbers>(nullptr);
   return Numbers::ensure(array);
 }
 

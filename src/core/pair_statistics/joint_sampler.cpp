@@ -15,8 +15,12 @@ std::uint64_t mixed(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
+/// Limits of 1e16 are those of a joint that has none: no number of states would show what is near.
 bool isLimited(const Joint& joint) {
-  return joint.hasLimits() && (joint.lower != 0.0 || joint.upper != 0.0);
+  constexpr double LONGEST = 1000.0, MOST_TURNED = 1e6;  // m, rad
+  const double most = joint.type == JointType::PRISMATIC ? LONGEST : MOST_TURNED;
+  return joint.hasLimits() && (joint.lower != 0.0 || joint.upper != 0.0) &&
+         joint.upper - joint.lower <= most;
 }
 
 bool turnsEndlessly(const Joint& joint) {

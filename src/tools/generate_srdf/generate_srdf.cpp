@@ -15,6 +15,8 @@
 namespace collision_pairs {
 namespace {
 
+constexpr double LEAST_PROBABILITY = 1e-12;  // of it 5e12 states show something
+
 struct Options {
   std::string robot, srdf, out, report;
   std::uint64_t samples = 50000, seed = 1;
@@ -55,8 +57,9 @@ void refuseWrong(const Options& options) {
   if (!isShare(options.rules.confidence)) {
     throw InputError("--confidence must lie between 0 and 1, like 0.99");
   }
-  if (!isShare(options.rules.max_probability)) {
-    throw InputError("--max-probability must lie between 0 and 1, like 1e-4");
+  if (!isShare(options.rules.max_probability) ||
+      options.rules.max_probability < LEAST_PROBABILITY) {
+    throw InputError("--max-probability must lie between 1e-12 and 1, like 1e-4");
   }
 }
 

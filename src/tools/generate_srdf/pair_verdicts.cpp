@@ -195,6 +195,13 @@ void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules) {
                        v.evidence.touches_at_zero;
               });
   warnOfPairs(verdicts,
+              "are disabled because their links are adjacent, but are in contact in some states "
+              "(<enable_collisions> in a given SRDF keeps a check)",
+              [](const PairVerdict& v) {
+                return v.pair_class == PairClass::ADJACENT && !v.reason.empty() &&
+                       v.evidence.contacts > 0 && v.evidence.contacts < v.evidence.trials;
+              });
+  warnOfPairs(verdicts,
               "that the given SRDF disables are in contact in some states; they stay disabled",
               [](const PairVerdict& v) {
                 return v.given == Given::SWITCHED_OFF && v.pair_class == PairClass::SOMETIMES;
