@@ -4,8 +4,7 @@
 #include "collision_pairs/narrow_phase.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_closed_forms {
+namespace collision_pairs::test_closed_forms {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 
@@ -133,5 +132,4 @@ TEST(ClosedForms, SeparatingAxesAgreeWithTheSignedDistanceOfBoxes) {
   }
 }
 
-}  // namespace test_closed_forms
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_closed_forms

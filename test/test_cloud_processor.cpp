@@ -6,8 +6,7 @@
 #include "collision_pairs/input_error.h"
 #include "processed_clouds.h"
 
-namespace collision_pairs {
-namespace test_cloud_processor {
+namespace collision_pairs::test_cloud_processor {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -148,5 +147,4 @@ TEST_F(CloudProcessing, SaysWhenThereAreMoreVoxelsThanMayBe) {
   EXPECT_EQ(voxels->size(), 2u);
 }
 
-}  // namespace test_cloud_processor
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cloud_processor

@@ -4,8 +4,7 @@
 
 #include "pair_class.h"
 
-namespace collision_pairs {
-namespace test_contact_probability {
+namespace collision_pairs::test_contact_probability {
 
 /// Probability of at most `contacts` in `trials` states, summed up from the definition.
 double atMost(std::uint64_t contacts, std::uint64_t trials, double probability) {
@@ -62,5 +61,4 @@ TEST(ContactProbability, TrialsNeededAreTheFewestThatAreEnough) {
   EXPECT_EQ(trialsNeeded(1e-3, 0.95), 2995u);
 }
 
-}  // namespace test_contact_probability
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_contact_probability

@@ -9,8 +9,7 @@
 #include "epa.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_convex_contact {
+namespace collision_pairs::test_convex_contact {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -277,5 +276,4 @@ TEST(DoubleDouble, IsAsAccurateAsItsEpsilonSays) {
   }
 }
 
-}  // namespace test_convex_contact
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_convex_contact

@@ -8,8 +8,7 @@
 #include "random_inputs.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_convex_distance {
+namespace collision_pairs::test_convex_distance {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double SIZE = 0.2;
@@ -310,5 +309,4 @@ TEST(ConvexHullOfManyPoints, PutsNoOtherLibraryBeforeThatOfQhullInC) {
   EXPECT_NE(std::string(info.dli_fname).find("libqhull_r"), std::string::npos) << info.dli_fname;
 }
 
-}  // namespace test_convex_distance
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_convex_distance

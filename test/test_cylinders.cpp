@@ -6,8 +6,7 @@
 #include "certified_depth.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_cylinders {
+namespace collision_pairs::test_cylinders {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -178,5 +177,4 @@ TEST(Cylinders, YesOrNoWithAMarginIsThatOfTheDistance) {
   }
 }
 
-}  // namespace test_cylinders
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cylinders

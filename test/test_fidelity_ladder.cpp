@@ -7,8 +7,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_fidelity_ladder {
+namespace collision_pairs::test_fidelity_ladder {
 
 using Distances = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
 
@@ -214,5 +213,4 @@ TEST(FidelityLadder, IsNestedInAllReferenceStates) {
   }
 }
 
-}  // namespace test_fidelity_ladder
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_fidelity_ladder

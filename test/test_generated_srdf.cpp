@@ -5,8 +5,7 @@
 #include "collision_pairs/srdf.h"
 #include "generated_srdf.h"
 
-namespace collision_pairs {
-namespace test_generated_srdf {
+namespace collision_pairs::test_generated_srdf {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -71,5 +70,4 @@ TEST(GeneratedSrdf, ABrokenOneIsRefusedWithItsLine) {
   }
 }
 
-}  // namespace test_generated_srdf
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_generated_srdf

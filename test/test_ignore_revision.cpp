@@ -12,8 +12,7 @@
 #include "pairs_kept.h"
 #include "random_case.h"
 
-namespace collision_pairs {
-namespace test_ignore_revision {
+namespace collision_pairs::test_ignore_revision {
 
 /// What of a report depends on the pairs that are left out.
 void expectSame(const CollisionReport& found, const CollisionReport& wanted) {
@@ -220,5 +219,4 @@ TEST(APair, IsLeftIfAnAllowedOneIsKept) {
   EXPECT_GT(nb_with_world, 30);
 }
 
-}  // namespace test_ignore_revision
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_ignore_revision

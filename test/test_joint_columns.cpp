@@ -7,8 +7,7 @@
 #include "collision_pairs/joint_columns.h"
 #include "demo_scene.h"
 
-namespace collision_pairs {
-namespace test_joint_columns {
+namespace collision_pairs::test_joint_columns {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -169,5 +168,4 @@ TEST(MissingLeader, IsOneThatIsFixedOrInACycleToo) {
   }
 }
 
-}  // namespace test_joint_columns
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_joint_columns

@@ -8,8 +8,7 @@
 #include "demo_scene.h"
 #include "joint_query.h"
 
-namespace collision_pairs {
-namespace test_joint_query {
+namespace collision_pairs::test_joint_query {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
@@ -285,5 +284,4 @@ TEST_F(JointQueryTest, DoesNotAskWhereARobotIsOfWhichNothingIsChecked) {
   EXPECT_THAT(query({"lift", "lower"}).unknownBecause(), IsEmpty());
 }
 
-}  // namespace test_joint_query
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_joint_query

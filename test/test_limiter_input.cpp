@@ -13,8 +13,7 @@
 #include "limiter_parameters.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_limiter_input {
+namespace collision_pairs::test_limiter_input {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
@@ -239,5 +238,4 @@ TEST(JointPositions, ThatAreRefusedLeaveNoOlderOnesInForce) {
   EXPECT_EQ(refusal([&] { positions.oldestOf({"a"}, 2.3, 0.1); }), "nobody reports joint 'a'");
 }
 
-}  // namespace test_limiter_input
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_input

@@ -12,8 +12,7 @@
 #include "motion_fixtures.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_limiter_law {
+namespace collision_pairs::test_limiter_law {
 
 // m: the robot's positions are exact between two steps, and checked every 4 ms.
 constexpr double SIMULATION_ERROR = 1e-5;
@@ -321,5 +320,4 @@ TEST(LimiterLaw, FromEveryStopSomeCommandMovesTheRobot) {
   }
 }
 
-}  // namespace test_limiter_law
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_law

@@ -7,8 +7,7 @@
 #include "limiter_law.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_limiter_questions {
+namespace collision_pairs::test_limiter_questions {
 
 using testing::DoubleNear;
 using testing::ElementsAre;
@@ -354,5 +353,4 @@ TEST_F(Questions, ZerosPassWithoutAny) {
   EXPECT_EQ(decision.command, std::vector<double>{0.0});
 }
 
-}  // namespace test_limiter_questions
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_questions

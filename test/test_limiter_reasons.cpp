@@ -7,8 +7,7 @@
 #include "limiter_law.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_limiter_reasons {
+namespace collision_pairs::test_limiter_reasons {
 
 using testing::EndsWith;
 using testing::StartsWith;
@@ -139,5 +138,4 @@ TEST_F(Reasons, OfAScaleThatIsNotTheWholeAndOfOneThatIs) {
   EXPECT_EQ(published(law, {9.11, 9.11, 0.0, {0.1}}, nothing).reason, "the scale is rising");
 }
 
-}  // namespace test_limiter_reasons
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_reasons

@@ -14,8 +14,7 @@
 #include "published_decisions.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_limiter_retreat {
+namespace collision_pairs::test_limiter_retreat {
 
 /// Metres that the box moves, from a voxel that touches it to another of the same cloud, which
 /// begins at `gap` before it.
@@ -137,5 +136,4 @@ TEST(Retreat, FromAnyDistanceMoves) {
   }
 }
 
-}  // namespace test_limiter_retreat
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_retreat

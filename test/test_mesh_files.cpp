@@ -14,8 +14,7 @@
 #include "random_inputs.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_mesh_files {
+namespace collision_pairs::test_mesh_files {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -380,5 +379,4 @@ TEST(MeshFiles, MeshesOfRealRobotsAreWhatRosReads) {
   EXPECT_GT(nb_files, 50);
 }
 
-}  // namespace test_mesh_files
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_mesh_files

@@ -11,8 +11,7 @@
 #include "mesh_folder.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_mesh_loader {
+namespace collision_pairs::test_mesh_loader {
 
 class MeshLoaderTest : public MeshFolder {};
 
@@ -331,5 +330,4 @@ TEST_F(MeshLoaderTest, EachTriangleOfAGltfIsReadOrItIsRefused) {
   }
 }
 
-}  // namespace test_mesh_loader
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_mesh_loader

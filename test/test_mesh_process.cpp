@@ -18,8 +18,7 @@
 #include "mesh_process.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_mesh_process {
+namespace collision_pairs::test_mesh_process {
 
 namespace fs = std::filesystem;
 using testing::AnyOf;
@@ -242,5 +241,4 @@ TEST_F(MeshProcess, EndsWithTheProgramThatStartedIt) {
   EXPECT_TRUE(WIFSIGNALED(status));
 }
 
-}  // namespace test_mesh_process
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_mesh_process

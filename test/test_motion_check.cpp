@@ -8,8 +8,7 @@
 #include "motion_fixtures.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_motion_check {
+namespace collision_pairs::test_motion_check {
 
 /// Two bars of 1 m; the second is hinged at the end of the first.
 std::shared_ptr<const RobotModel> foldingArm() {
@@ -378,5 +377,4 @@ TEST(MotionCheck, ThatHasNoTimeLeavesOpenWhatItHasNotCertified) {
   }
 }
 
-}  // namespace test_motion_check
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motion_check

@@ -6,8 +6,7 @@
 #include "random_inputs.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_narrow_phase {
+namespace collision_pairs::test_narrow_phase {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -276,5 +275,4 @@ TEST(NarrowPhase, DefectiveShapesAreRefusedByName) {
   EXPECT_THROW(prepareShape(Mesh{std::make_shared<TriangleMesh>()}), std::invalid_argument);
 }
 
-}  // namespace test_narrow_phase
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_narrow_phase

@@ -6,8 +6,7 @@
 #include "signed_distance_oracle.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_narrow_phase_extremes {
+namespace collision_pairs::test_narrow_phase_extremes {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -196,5 +195,4 @@ TEST(Extremes, AMeshOfAMillionTriangles) {
   EXPECT_FALSE(narrow_phase.touches(*large, *large, at(2.5, 0.0, 0.0)));
 }
 
-}  // namespace test_narrow_phase_extremes
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_narrow_phase_extremes

@@ -10,8 +10,7 @@
 #include "random_inputs.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_object_conversions {
+namespace collision_pairs::test_object_conversions {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -213,5 +212,4 @@ TEST(ObjectOfAMessage, HasItsNameItsLinkAndTheFilesOfItsMeshes) {
   EXPECT_EQ(std::vector<std::string>(message.mesh_resources), uris);
 }
 
-}  // namespace test_object_conversions
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_object_conversions

@@ -7,8 +7,7 @@
 #include "mixed_robot.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_padding {
+namespace collision_pairs::test_padding {
 
 using testing::HasSubstr;
 
@@ -286,5 +285,4 @@ TEST(CylinderAsCapsule, EnclosesTheCylinderAndIsForTheNamedLinksOnly) {
   EXPECT_TRUE(std::holds_alternative<Cylinder>(shapeOf("j")));
 }
 
-}  // namespace test_padding
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_padding

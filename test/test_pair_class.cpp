@@ -2,8 +2,7 @@
 
 #include "pair_class.h"
 
-namespace collision_pairs {
-namespace test_pair_class {
+namespace collision_pairs::test_pair_class {
 
 PairEvidence seen(std::uint64_t contacts, std::uint64_t trials) {
   PairEvidence evidence;
@@ -74,5 +73,4 @@ TEST_F(Classes, AsNearAsTheClearanceIsNotNever) {
   EXPECT_EQ(classify(seen(0, enough_), rules_), PairClass::NEVER);
 }
 
-}  // namespace test_pair_class
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_class

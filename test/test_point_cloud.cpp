@@ -13,8 +13,7 @@
 #include "printed.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_point_cloud {
+namespace collision_pairs::test_point_cloud {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -321,5 +320,4 @@ TEST(PointCloud, ThatWasWrittenIsReadAsItWas) {
   EXPECT_EQ(cloud.row_step, 6u * 12u);
 }
 
-}  // namespace test_point_cloud
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_point_cloud

@@ -9,8 +9,7 @@
 #include "motion_fixtures.h"
 #include "random_case.h"
 
-namespace collision_pairs {
-namespace test_report_alone {
+namespace collision_pairs::test_report_alone {
 
 /// All fields, to the last bit.
 std::string everythingIn(const CollisionReport& report) {
@@ -215,5 +214,4 @@ TEST(AReport, OfACheckThatWasRefusedIsUnknownAndNotTheOneBefore) {
   }
 }
 
-}  // namespace test_report_alone
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_report_alone

@@ -7,8 +7,7 @@
 #include "mixed_robot.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_robot_model {
+namespace collision_pairs::test_robot_model {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
@@ -268,5 +267,4 @@ TEST(RobotModel, PlacedAtWhatIsNoPoseIsRefused) {
   }
 }
 
-}  // namespace test_robot_model
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_robot_model

@@ -8,8 +8,7 @@
 #include "collision_pairs/input_error.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_robot_parts {
+namespace collision_pairs::test_robot_parts {
 
 constexpr double NAN_ = std::numeric_limits<double>::quiet_NaN();
 constexpr double INF = std::numeric_limits<double>::infinity();
@@ -277,5 +276,4 @@ TEST(RobotParts, WithoutAMotionNeedNeitherAxisNorLimits) {
   }
 }
 
-}  // namespace test_robot_parts
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_robot_parts

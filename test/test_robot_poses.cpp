@@ -5,8 +5,7 @@
 #include "newest_poses.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_robot_poses {
+namespace collision_pairs::test_robot_poses {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
@@ -285,5 +284,4 @@ TEST_F(NewestPoses, FurtherFromEachOtherThanTf2WalksAreUnknown) {
   EXPECT_EQ(between("base", name(900), 39 * SECOND / 4), "known");
 }
 
-}  // namespace test_robot_poses
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_robot_poses

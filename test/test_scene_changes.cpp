@@ -7,8 +7,7 @@
 #include "refusal.h"
 #include "scene_inputs.h"
 
-namespace collision_pairs {
-namespace test_scene_changes {
+namespace collision_pairs::test_scene_changes {
 
 /// A description, and what random changes make of it, one object at a time: the oracle.
 class Objects {
@@ -247,5 +246,4 @@ TEST(ASceneThatWasChanged, IsTheSceneBuiltOfTheChangedDescription) {
   EXPECT_GT(nb_empty, 10);
 }
 
-}  // namespace test_scene_changes
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_changes

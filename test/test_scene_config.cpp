@@ -9,8 +9,7 @@
 #include "scene_config.h"
 #include "yaml_values.h"
 
-namespace collision_pairs {
-namespace test_scene_config {
+namespace collision_pairs::test_scene_config {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -377,5 +376,4 @@ TEST_F(ConfigFile, OfTheNodeIsAsTheNodeHasIt) {
   EXPECT_FALSE(config.floor);
 }
 
-}  // namespace test_scene_config
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_config

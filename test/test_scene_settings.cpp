@@ -10,8 +10,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_scene_settings {
+namespace collision_pairs::test_scene_settings {
 
 std::shared_ptr<const CollisionScene> mixedScene(const SceneSettings& settings) {
   return CollisionScene::build(mixedRobot(), std::nullopt, nullptr, settings);
@@ -145,5 +144,4 @@ TEST(SceneSettings, HullsOfLessThanATetrahedronAreRefused) {
   EXPECT_THROW(mixedScene(settings), InputError);
 }
 
-}  // namespace test_scene_settings
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_settings

@@ -7,8 +7,7 @@
 #include "random_inputs.h"
 #include "scene_updates.h"
 
-namespace collision_pairs {
-namespace test_scene_updates {
+namespace collision_pairs::test_scene_updates {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -329,5 +328,4 @@ TEST_F(Changes, WhatIsWrongIsNamedAndNothingIsChanged) {
   EXPECT_EQ(stored("crate").X_PO.matrix(), Isometry3d::Identity().matrix());
 }
 
-}  // namespace test_scene_updates
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_updates

@@ -4,8 +4,7 @@
 #include "collision_pairs/srdf.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_srdf {
+namespace collision_pairs::test_srdf {
 
 using Pairs = std::set<Srdf::LinkPair>;
 const std::vector<std::string> LINKS = {"a", "b", "c", "d"};
@@ -45,5 +44,4 @@ TEST(Srdf, BrokenTextIsRefusedWithItsLine) {
             "SRDF line 2: it has a <link>, so it is a URDF");
 }
 
-}  // namespace test_srdf
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_srdf

@@ -5,8 +5,7 @@
 #include "newest_poses.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_standing_joints {
+namespace collision_pairs::test_standing_joints {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
@@ -128,5 +127,4 @@ TEST_F(StandingJoints, DoNotDependOnWhatWasAskedBefore) {
   EXPECT_GT(nb_held, 0);
 }
 
-}  // namespace test_standing_joints
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_standing_joints

@@ -11,8 +11,7 @@
 #include "recorded_servo.h"
 #include "stopping_analysis.h"
 
-namespace collision_pairs {
-namespace test_stopping_analysis {
+namespace collision_pairs::test_stopping_analysis {
 
 using testing::Contains;
 using testing::HasSubstr;
@@ -332,5 +331,4 @@ TEST(StoppingAnalysis, OvershootAndSlopesThatCannotBeToldAreSaid) {
   EXPECT_LE(outside.at_all, 1e-6);
 }
 
-}  // namespace test_stopping_analysis
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_stopping_analysis

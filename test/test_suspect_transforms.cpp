@@ -8,8 +8,7 @@
 #include "random_inputs.h"
 #include "transform_test.h"
 
-namespace collision_pairs {
-namespace test_suspect_transforms {
+namespace collision_pairs::test_suspect_transforms {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -267,5 +266,4 @@ TEST_F(Transforms, ThatAGapPrecedesAreNeverInterpolatedOverItByAnotherThread) {
   EXPECT_FALSE(knows("a", ros::Time(1001.0)));
 }
 
-}  // namespace test_suspect_transforms
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_suspect_transforms

@@ -6,8 +6,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_time_budget {
+namespace collision_pairs::test_time_budget {
 
 using Names = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -252,5 +251,4 @@ TEST_F(TimeBudget, ThatIsNegativeOrNoNumberIsRefused) {
   EXPECT_THROW(checkWithin(std::nan("")), InputError);
 }
 
-}  // namespace test_time_budget
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_time_budget

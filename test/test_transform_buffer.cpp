@@ -10,8 +10,7 @@
 #include "random_inputs.h"
 #include "robot_poses.h"
 
-namespace collision_pairs {
-namespace test_transform_buffer {
+namespace collision_pairs::test_transform_buffer {
 
 using Eigen::Isometry3d;
 using Eigen::Quaterniond;
@@ -333,5 +332,4 @@ TEST(Contradictions, AreFurtherFromBothNeighboursThanTheseAreFromEachOther) {
   EXPECT_FALSE(contradicts(pose(2, 9, 0), still, still, pose(2, 0, 0), how)) << "one of the two";
 }
 
-}  // namespace test_transform_buffer
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_transform_buffer

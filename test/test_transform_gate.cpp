@@ -5,8 +5,7 @@
 #include "frame_ways.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_transform_gate {
+namespace collision_pairs::test_transform_gate {
 
 using Eigen::Vector3d;
 using testing::HasSubstr;
@@ -284,5 +283,4 @@ TEST(TransformGate, KeepsOnePoseOfAStaticFrameThatChangesAHundredThousandTimes) 
   EXPECT_LT(buffer.gate().nbKept(buffer.findFrame("a")), 20u);
 }
 
-}  // namespace test_transform_gate
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_transform_gate

@@ -7,8 +7,7 @@
 #include "tf_poses.h"
 #include "transform_test.h"
 
-namespace collision_pairs {
-namespace test_transform_input {
+namespace collision_pairs::test_transform_input {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -353,5 +352,4 @@ TEST_F(Ages, OfAChainOfStaticFramesThatBypassesTheJointCannotBeToldEither) {
   EXPECT_THAT(latest().problems, ElementsAre(HasSubstr("'a': only /tf_static places it")));
 }
 
-}  // namespace test_transform_input
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_transform_input

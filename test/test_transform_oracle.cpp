@@ -11,8 +11,7 @@
 #include "frame_ways.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_transform_oracle {
+namespace collision_pairs::test_transform_oracle {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -273,5 +272,4 @@ TEST(TransformOracle, WhatIsKnownIsTrueAndIsKnownAgainTwoSecondsAfterAllIsWell) 
   EXPECT_GT(counts.lies, 100);
 }
 
-}  // namespace test_transform_oracle
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_transform_oracle

@@ -7,8 +7,7 @@
 
 #include "demo_scene.h"
 
-namespace collision_pairs {
-namespace test_urdf_errors {
+namespace collision_pairs::test_urdf_errors {
 
 std::string refusal(const std::string& xml) {
   try {
@@ -304,5 +303,4 @@ TEST(UrdfText, WhatNobodyReadsCannotMakeItFail) {
             "accepted");
 }
 
-}  // namespace test_urdf_errors
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_urdf_errors

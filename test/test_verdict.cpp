@@ -11,8 +11,7 @@
 
 #include "monitored_robot.h"
 
-namespace collision_pairs {
-namespace test_verdict {
+namespace collision_pairs::test_verdict {
 
 constexpr double RADIUS = 0.5;
 const PoseLimits LIMITS;  // the defaults
@@ -172,5 +171,4 @@ TEST(Verdict, FreeImpliesThatEveryRequiredPairIsKnownFreshAndApart) {
   for (const int verdict : {0, 1, 2}) EXPECT_GT(count[verdict], 1000) << verdict;
 }
 
-}  // namespace test_verdict
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_verdict
