@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "collision_pairs/input_error.h"
 #include "collision_pairs/srdf.h"
 #include "generated_srdf.h"
+#include "refusal.h"
 
 namespace collision_pairs::test_generated_srdf {
 
@@ -62,12 +62,8 @@ TEST(GeneratedSrdf, NamesOfLinksCannotEndACommentOrAnAttribute) {
 }
 
 TEST(GeneratedSrdf, ABrokenOneIsRefusedWithItsLine) {
-  try {
-    srdfWithLines("<robot name='arm'>\n<group>\n</robot>", "arm", LINES);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("SRDF line"));
-  }
+  const char* broken = "<robot name='arm'>\n<group>\n</robot>";
+  EXPECT_THAT(refusal([&] { srdfWithLines(broken, "arm", LINES); }), HasSubstr("SRDF line"));
 }
 
 }  // namespace collision_pairs::test_generated_srdf

@@ -7,6 +7,7 @@
 
 #include "demo_scene.h"
 #include "joint_query.h"
+#include "refusal.h"
 
 namespace collision_pairs::test_joint_query {
 
@@ -240,11 +241,8 @@ TEST_F(JointQueryTest, RefusesPositionsThatAreNotOneForEachNameOrNotFinite) {
     EXPECT_THROW(lead.jointPositionsAt(positions), InputError);
   }
   EXPECT_THROW(at("a", lead, {std::nan("")}), InputError);
-  try {
-    lead.jointPositionsAt(two);
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "1 joints are named, but there are 2 positions");
-  }
+  EXPECT_EQ(refusal([&] { lead.jointPositionsAt(two); }),
+            "1 joints are named, but there are 2 positions");
 }
 
 TEST_F(JointQueryTest, GivesThePositionsOfAllJoints) {

@@ -5,6 +5,7 @@
 #include "object_messages.h"
 #include "printed.h"
 #include "random_inputs.h"
+#include "refusal.h"
 #include "scene_updates.h"
 
 namespace collision_pairs::test_scene_updates {
@@ -43,12 +44,7 @@ class Changes : public testing::Test {
   }
 
   std::string refusalOf(std::uint8_t operation, const SceneObject& object) {
-    try {
-      apply(operation, object);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return refusal([&] { apply(operation, object); });
   }
 
   const RigidObject& stored(const std::string& name) { return objects_.at(name).object; }
@@ -246,13 +242,8 @@ TEST_F(Changes, OfOneRequestSeeThoseBeforeThem) {
     made.object = object;
     return made;
   };
-  const auto why = [&](const std::vector<SceneChange>& changes) -> std::string {
-    try {
-      editsBy(changes);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+  const auto why = [&](const std::vector<SceneChange>& changes) {
+    return refusal([&] { editsBy(changes); });
   };
   const SceneChange add = change(SceneChange::ADD, boxObject("new", poseAt(1, 0, 0))),
                     move = change(SceneChange::MOVE, boxObject("new", poseAt(2, 0, 0))),

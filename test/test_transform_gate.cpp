@@ -4,6 +4,7 @@
 
 #include "frame_ways.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
 namespace collision_pairs::test_transform_gate {
 
@@ -30,12 +31,7 @@ class Gate : public testing::Test {
   double xAt(double stamp) const { return x({Instant::AT, at(stamp)}); }
   double newestX(double now) const { return x({Instant::NEWEST, at(now)}); }
   std::string whyNot(double now) const {
-    try {
-      poseBetween(buffer_, "root", "a", {Instant::NEWEST, at(now)});
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "known";
+    return refusal([&] { poseBetween(buffer_, "root", "a", {Instant::NEWEST, at(now)}); });
   }
 
   TransformBuffer buffer_{PoseLimits{1.0, 0.5, 0.25}};
