@@ -1,22 +1,11 @@
 """check_states as a user meets it: what it prints, what it refuses, what it leaves behind."""
-import os
 import random
 
 import pytest
-from conftest import DEMO, rows_of
+from conftest import SRDF, URDF, rows_of, sliding_boxes
 from seed import given_seed
 
-URDF = os.path.join(DEMO, "demo_robot.urdf")
-SRDF = os.path.join(DEMO, "demo_robot.srdf")
 HEADER = ["state", "in_collision", "pairs", "min_distance", "nb_pairs", "microseconds"]
-
-
-@pytest.fixture
-def states(tmp_path):
-    path = tmp_path / "states.csv"
-    path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n"
-                    "0,-0.3,1.2,0.9,0\n0.3,1.1,0.6,-0.1,1.35\n")
-    return path
 
 
 def test_verdicts_pairs_and_distance_are_written(run_tool, states, tmp_path):
@@ -282,17 +271,12 @@ def test_a_cloud_that_cannot_be_used_is_refused_by_name(run_tool, states, tmp_pa
     assert done.returncode == 2 and why in done.stderr and not out.exists()
 
 
-BOX = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
-SLIDE = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
-         "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
-
-
 @pytest.fixture
 def check_boxes(run_tool, tmp_path):
     """Of unit boxes a, b and c on the x-axis at the positions of each state: the process, and a row each."""
-    def run(states, *options, robot="<robot name='r'><link name='root'/>%s</robot>"):
+    def run(states, *options, robot=sliding_boxes("abc")):
         urdf, given = tmp_path / "boxes.urdf", tmp_path / "given.csv"
-        urdf.write_text(robot % "".join(BOX % name + SLIDE % (name, name) for name in "abc") if "%s" in robot else robot)
+        urdf.write_text(robot)
         given.write_text("\n".join(["slide_a,slide_b,slide_c"] + [",".join(map(repr, state)) for state in states]) + "\n")
         done = run_tool("check_states", urdf, "--states", given, "--out", tmp_path / "out.csv", *options)
         return done, rows_of(tmp_path / "out.csv") if done.returncode == 0 else []
@@ -322,10 +306,10 @@ def test_every_column_is_that_of_its_state_and_its_option(check_boxes):
 
 
 def test_a_state_without_a_pose_is_refused_by_its_number_and_link(check_boxes):
-    done, _ = check_boxes([(0.0, 2.0, 4.0), (0.0, 2.0, 1.7e308)], robot="<robot name='r'><link name='root'/>" + BOX % "a" + SLIDE % (
-        "a", "a") + BOX % "b" + SLIDE % ("b", "b") + BOX % "c" + SLIDE.replace("'root'", "'far'") % ("c", "c") + (
-        "<link name='far'/><joint name='away' type='fixed'><parent link='root'/><child link='far'/><origin xyz='1.7e308 0 0'/></joint>"
-        "</robot>"))
+    far = ("<link name='far'/><joint name='away' type='fixed'><parent link='root'/><child link='far'/>"
+           "<origin xyz='1.7e308 0 0'/></joint>")
+    robot = sliding_boxes("abc", more=far).replace("<parent link='root'/><child link='c'/>", "<parent link='far'/><child link='c'/>")
+    done, _ = check_boxes([(0.0, 2.0, 4.0), (0.0, 2.0, 1.7e308)], robot=robot)
     errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
     assert done.returncode == 2 and len(errors) == 1 and errors[0].startswith("error: state 1: link 'c' "), done.stderr
 
@@ -367,8 +351,8 @@ def test_a_mesh_that_is_missing_is_said_with_the_file_and_the_link_that_need_it(
     world = tmp_path / "world.urdf"
     world.write_text("<robot name='w'>" + mesh % "wall" + "</robot>")
     options = ["--links", "a"] if restricted else []
+    fixed = mesh % "d" + "<joint name='fixed' type='fixed'><parent link='root'/><child link='d'/></joint>"
     for done, of in ((check_boxes([(0, 2, 4)], "--world", world, *options)[0], (world, "wall")),
-                     (check_boxes([(0, 2, 4)], *options, robot="<robot name='r'><link name='root'/>%s" + mesh % "d" + SLIDE.replace(
-                         "%s", "d") + "</robot>")[0], (tmp_path / "boxes.urdf", "d"))):
+                     (check_boxes([(0, 2, 4)], *options, robot=sliding_boxes("abc", more=fixed))[0], (tmp_path / "boxes.urdf", "d"))):
         error = done.stderr.splitlines()[-1]
         assert done.returncode == 2 and error == "error: %s: URDF: link '%s': mesh 'file:///none.stl': there is no file /none.stl" % of
