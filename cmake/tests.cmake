@@ -223,7 +223,6 @@ collision_pairs_test(stopping_tube collision_pairs_ros)
 collision_pairs_test(transform_buffer collision_pairs_ros)
 collision_pairs_test(suspect_transforms collision_pairs_ros)
 collision_pairs_test(transform_input collision_pairs_ros)
-collision_pairs_test(verdict collision_pairs_ros)
 collision_pairs_test(voxel_markers collision_pairs_ros)
 
 foreach(program ${unit_test_programs})
