@@ -25,10 +25,14 @@ class Changes : public testing::Test {
     context_.look_up = [this](const std::string& target, const std::string& source,
                               const ros::Time& stamp) -> Isometry3d {
       asked_stamp_ = stamp;
-      if (target == "world" && source == "hand") return X_WH_;
-      if (target == "hand" && source == "world") return X_WH_.inverse();
-      throw InputError("TF does not know '" + source + "'");
+      return poseOf(target).inverse() * poseOf(source);
     };
+  }
+  Isometry3d poseOf(const std::string& frame) const {
+    if (frame == "world") return Isometry3d::Identity();
+    if (frame == "hand") return X_WH_;
+    if (frame == "other_hand") return X_WO_;
+    throw InputError("TF does not know '" + frame + "'");
   }
 
   void apply(std::uint8_t operation, const SceneObject& object) {
@@ -49,7 +53,7 @@ class Changes : public testing::Test {
 
   const RigidObject& stored(const std::string& name) { return objects_.at(name).object; }
 
-  Isometry3d X_WH_ = Isometry3d::Identity();
+  Isometry3d X_WH_ = Isometry3d::Identity(), X_WO_ = X_WH_;
   ros::Time asked_stamp_;
   UpdateContext context_;
   SceneObjects objects_;
@@ -133,6 +137,11 @@ TEST_F(Changes, AttachAndDetachLeaveItWhereItIs) {
   EXPECT_EQ(stored("crate").touch_links, grip.touch_links);
   EXPECT_TRUE((X_WH_ * stored("crate").X_PO).translation().isApprox(Vector3d(3, 1, 0)));
   X_WH_.translation().x() = 5.0;  // it moves along
+  grip.attached_link = "other_hand";
+  apply(SceneChange::ATTACH, grip);
+  EXPECT_EQ(stored("crate").attached_link, "other_hand");
+  EXPECT_TRUE((X_WO_ * stored("crate").X_PO).translation().isApprox(Vector3d(7, 1, 0)));
+  X_WO_.translation().y() = 4.0;
   apply(SceneChange::DETACH, grip);
   EXPECT_EQ(stored("crate").attached_link, "");
   EXPECT_TRUE(stored("crate").X_PO.translation().isApprox(Vector3d(7, 1, 0)));
