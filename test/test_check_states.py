@@ -56,11 +56,6 @@ def test_positions_outside_the_limits_are_said_once_a_joint(run_tool, tmp_path):
     assert len(said) == 1 and "'shoulder_pan'" in said[0] and "at 2 states; the first is state 1, where it is 60" in said[0]
 
 
-def test_min_distance_is_empty_unless_asked_for(run_tool, states):
-    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states)
-    assert done.stdout.splitlines()[1].split(",")[3] == ""
-
-
 def test_a_tolerance_makes_distances_smaller_by_no_more_than_it(run_tool, states):
     def rows(*options):
         done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--min-distance", *options)
@@ -104,15 +99,6 @@ def test_a_world_of_which_nobody_knows_a_position_is_refused(run_tool, states, t
                      "</link><joint name='j' type='continuous'><parent link='o'/><child link='p'/><mimic joint='none'/></joint></robot>")
     done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--world", world)
     assert done.returncode == 2 and "joint 'j' follows one that is not there" in done.stderr
-
-
-def test_any_number_of_threads_gives_the_same_output(run_tool, tmp_path):
-    states = tmp_path / "many.csv"
-    states.write_text("shoulder_pan,shoulder_lift\n" + "".join("%.3f,%.3f\n" % (i * 0.01 - 2, i * 0.003) for i in range(400)))
-    outputs = [[line.rsplit(",", 1)[0] for line in
-                run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--min-distance", "--threads",
-                         threads).stdout.splitlines()] for threads in (1, 2, 5, 0)]
-    assert len(outputs[0]) == 401 and all(output == outputs[0] for output in outputs)
 
 
 def broken_inputs():
@@ -184,11 +170,6 @@ def test_windows_line_ends_and_byte_order_marks_are_accepted(run_tool, states, t
     assert strip(done.stdout) == strip(plain)
 
 
-def test_a_folder_that_cannot_be_written_is_named(run_tool, states, tmp_path):
-    done = run_tool("check_states", URDF, "--states", states, "--out", tmp_path / "none" / "out.csv")
-    assert done.returncode == 2 and "out.csv" in done.stderr
-
-
 def test_a_pipe_is_written_in_place(run_tool, states, tmp_path):
     pipe = tmp_path / "pipe"  # which may be replaced: not the system's own
     pipe.symlink_to("/dev/stdout")
@@ -245,18 +226,7 @@ def test_a_cloud_is_the_same_as_its_voxels_as_a_world(run_tool, states, tmp_path
         assert float(row["min_distance"]) == pytest.approx(float(same["min_distance"]), abs=1e-9)
 
 
-def test_points_that_are_not_finite_are_said_to_be_passed_over(run_tool, states, tmp_path):
-    cloud = write_pcd(tmp_path / "cloud.pcd", [(5.0, 5.0, 5.0), (float("nan"), 0.0, 0.0)])
-    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--cloud", cloud,
-                    "--voxel-size", "0.05")
-    assert done.returncode == 0 and "1 of 2 points are not finite" in done.stderr
-    assert done.stdout.splitlines()[1].startswith("0,0,")
-
-
 @pytest.mark.parametrize("cloud,options,why", [
-    ("FIELDS x y z\n", ["--voxel-size", "0.05"], "no DATA line"),
-    ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n1e9 0 0\n", ["--voxel-size", "0.05"],
-     "more than 2^20 voxels"),
     ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n0 0 0\n", ["--voxel-size", "0"], "voxel size"),
     ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n0 0 0\n", [], "--voxel-size"),
     ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 0\nDATA ascii\n", ["--voxel-size", "0.05"], "it has no finite point"),
@@ -302,7 +272,9 @@ def test_every_column_is_that_of_its_state_and_its_option(check_boxes):
     assert [float(found[i]) for i in (0, 3)] == pytest.approx([distances[i] for i in (0, 3)], abs=1e-12)
     listed, found, _ = told("--min-distance")
     assert listed == pairs and [float(distance) for distance in found] == pytest.approx(distances, abs=1e-12)
-    assert told("--tolerance", "0.1")[0] == pairs and told("--threads", "2")[0] == pairs
+    assert told("--tolerance", "0.1")[0] == pairs
+    for threads in ("2", "5", "0"):
+        assert told("--threads", threads, "--min-distance") == told("--min-distance")
 
 
 def test_a_state_without_a_pose_is_refused_by_its_number_and_link(check_boxes):
@@ -332,7 +304,8 @@ def test_what_is_said_of_a_cloud_names_its_file_and_its_numbers(check_boxes, tmp
     cloud, nan, far = tmp_path / "cloud.pcd", float("nan"), 1e6
     state = [(0.0, 2.0, 4.0)]
     write_pcd(cloud, [(0.0, 5.0, 5.0), (nan, 0.0, 0.0), (0.0, 0.0, nan)])
-    done, _ = check_boxes(state, "--cloud", cloud, "--voxel-size", "0.5")
+    done, rows = check_boxes(state, "--cloud", cloud, "--voxel-size", "0.5")
+    assert rows[0]["in_collision"] == "0"
     assert done.stderr == "warning: %s: 2 of 3 points are not finite and were ignored\n" % cloud
     write_pcd(cloud, [(far, 0.0, 0.0), (0.0, -far, 0.0), (1.0, 1.0, 1.0)])
     done, _ = check_boxes(state, "--cloud", cloud, "--voxel-size", "0.5")
