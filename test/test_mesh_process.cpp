@@ -121,8 +121,9 @@ class ShutFile {
 
 TEST_F(MeshProcess, LeavesNoProcessBehind) {
   const ShutFile mesh(folder_);
-  EXPECT_THAT(collision_pairs::refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(1)); }),
-              HasSubstr("did not finish within"));
+  EXPECT_THAT(
+      collision_pairs::refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(1)); }),
+      HasSubstr("did not finish within"));
   EXPECT_EQ(child(), "");
 }
 
@@ -130,7 +131,8 @@ TEST_F(MeshProcess, AnAnswerLongerThanItsLimitIsRefusedAndTheProcessEnded) {
   const std::string whole = file("a.ply", ply(THREE + "3 0 1 2\n"));
   const std::size_t bytes = 1 + 2 * 8 + 3 * 3 * 4 + 3 * 4;
   EXPECT_NO_THROW(readMeshInProcess(whole, std::chrono::seconds(30), bytes));
-  EXPECT_THAT(collision_pairs::refusal([&] { readMeshInProcess(whole, std::chrono::seconds(30), bytes - 1); }),
+  EXPECT_THAT(collision_pairs::refusal(
+                  [&] { readMeshInProcess(whole, std::chrono::seconds(30), bytes - 1); }),
               HasSubstr("more than 64 bytes"));
   EXPECT_EQ(child(), "");
 }
@@ -191,7 +193,9 @@ TEST_F(MeshProcess, MayGainNoRightsStartNoProcessAndWriteNoFile) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   });
-  EXPECT_NE(collision_pairs::refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(5)); }), "accepted");
+  EXPECT_NE(
+      collision_pairs::refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(5)); }),
+      "accepted");
   look.join();
   ::close(descriptor);
   EXPECT_FALSE(has_inherited);
