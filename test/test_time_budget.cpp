@@ -63,7 +63,7 @@ class TimeBudget : public testing::Test {
     for (const auto& [names, pair] : byModels(exact)) {
       const auto same = found.find(names);
       ASSERT_TRUE(same != found.end()) << "a pair was left out";
-      EXPECT_LE(same->second.distance, pair.distance + 1e-6);
+      EXPECT_LE(same->second.distance, pair.distance + 1e-9);
       if (pair.state == PairState::CONTACT) {
         EXPECT_NE(same->second.state, PairState::NEAR);
       }
