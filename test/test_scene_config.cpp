@@ -196,7 +196,7 @@ TEST(SceneConfig, WhatIsWrongIsRefusedInTheseWords) {
 }
 
 std::string refusalOfText(const std::string& text) {
-  return collision_pairs::refusal([&] { loadYaml(text); });
+  return collision_pairs::collision_pairs::refusal([&] { loadYaml(text); });
 }
 
 // rosparam would take the last, yaml-cpp the first, and a loop over a map's entries the last.
@@ -239,7 +239,9 @@ TEST(SceneSettingsMap, HasTheLimitsOfPosesAndSaysWhatOnlyTheNodeFollows) {
   EXPECT_EQ(given.max_transform_age, 0.125);
   EXPECT_EQ(given.clock_tolerance, 0.0);
   EXPECT_EQ(defaults.max_pose_age, PoseLimits().max_pose_age);
-  const auto refused = [&](const std::string& yaml) { return refusal([&] { read(yaml); }); };
+  const auto refused = [&](const std::string& yaml) {
+    return collision_pairs::refusal([&] { read(yaml); });
+  };
   for (const std::string key : {"max_pose_age", "max_transform_age", "clock_tolerance"}) {
     EXPECT_EQ(refused(key + ": 0"), "accepted");
     for (const std::string wrong : {"-0.1", "old"}) {
@@ -285,7 +287,7 @@ TEST(SceneSettingsMap, NoWordThatIsNotKnownIsSkippedAnywhere) {
       "clouds: [{topic: points, voxel_size: 0.02, max_range: 2, box: [0, 0, 0, 1, 1, 1]}], "
       "ignored_links: [x], max_pose_age: 1, fidelity: mesh, rate: 50, group: arm, links: [a]}";
   const auto refused = [](const YAML::Node& map) {
-    return refusal([&] { readSceneSettings(map, "x.yaml"); });
+    return collision_pairs::refusal([&] { readSceneSettings(map, "x.yaml"); });
   };
   ASSERT_EQ(refused(YAML::Load(whole)), "accepted");
   std::size_t nb_tried = 0;
@@ -334,7 +336,7 @@ class ConfigFile : public testing::Test {
  protected:
   std::string refusalOf(const std::string& yaml) {
     std::ofstream(path_) << yaml;
-    return refusal([&] { readSceneConfigFile(path_); });
+    return collision_pairs::refusal([&] { readSceneConfigFile(path_); });
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
