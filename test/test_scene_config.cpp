@@ -196,7 +196,7 @@ TEST(SceneConfig, WhatIsWrongIsRefusedInTheseWords) {
 }
 
 std::string refusalOfText(const std::string& text) {
-  return collision_pairs::collision_pairs::refusal([&] { loadYaml(text); });
+  return collision_pairs::refusal([&] { loadYaml(text); });
 }
 
 // rosparam would take the last, yaml-cpp the first, and a loop over a map's entries the last.
