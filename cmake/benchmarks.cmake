@@ -16,7 +16,7 @@ function(collision_pairs_benchmark name)
 endfunction()
 
 # A library of its own: CGAL asks for -frounding-math, which must not slow the others.
-add_library(broad_phase_references STATIC test/plain_direct_sap.cpp
+add_library(broad_phase_references STATIC benchmark/plain_direct_sap.cpp
                                           benchmark/packed_brute_force.cpp)
 target_include_directories(broad_phase_references PUBLIC . test ${CORE_MODULES})
 target_link_libraries(broad_phase_references PUBLIC collision_pairs)

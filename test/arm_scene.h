@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "collision_pairs/collision_scene.h"
-#include "collision_pairs/input_error.h"
 #include "demo_scene.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 
@@ -60,12 +60,7 @@ inline SceneDescription armScene(const std::string& srdf) {
 }
 
 inline std::string refusal(const SceneDescription& description) {
-  try {
-    CollisionScene::build(description);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { CollisionScene::build(description); });
 }
 
 }  // namespace collision_pairs

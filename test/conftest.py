@@ -12,7 +12,8 @@ PYTHON = os.path.normpath(os.path.join(TOOLS, "../python3/dist-packages"))  # th
 TIMES_SLOWER = 10 if "TSAN_OPTIONS" in os.environ else 1  # scripts/test --sanitize
 DEMO = os.path.join(PROJECT, "config/demo")
 DEMO_BAG = os.path.join(DEMO, "demo.bag")
-DEMO_ROBOT = ["--urdf", os.path.join(DEMO, "demo_robot.urdf"), "--srdf", os.path.join(DEMO, "demo_robot.srdf")]
+URDF, SRDF = os.path.join(DEMO, "demo_robot.urdf"), os.path.join(DEMO, "demo_robot.srdf")
+DEMO_ROBOT = ["--urdf", URDF, "--srdf", SRDF]
 SYSTEM_PATH = "/usr/bin:/bin:" + os.environ.get("PATH", "")  # another Python may come first in PATH
 sys.path.insert(0, PYTHON)
 
@@ -44,6 +45,15 @@ def make_bag(tmp_path, made_bags):
         path.write_bytes(made_bags[options])
         return path
     return make
+
+
+def sliding_boxes(names="ab", shape="<box size='1 1 1'/>", more=""):
+    """A URDF: links of these names, unit boxes or of this shape, that slide along x on joints slide_<name>; and more."""
+    link = "<link name='%s'><collision><geometry>" + shape + "</geometry></collision></link>"
+    slide = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
+             "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
+    boxes = "".join(link % name + slide % (name, name) for name in names)
+    return "<robot name='boxes'><link name='root'/>" + boxes + more + "</robot>"
 
 
 def rows_of(path):
@@ -78,6 +88,15 @@ def check_bag(run_tool, tmp_path):
         assert done.returncode == 0, done.stderr
         return rows_of(out), done.stdout + done.stderr
     return run
+
+
+@pytest.fixture
+def states(tmp_path):
+    """States of the demo robot: a free one, and one in collision."""
+    path = tmp_path / "states.csv"
+    path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n"
+                    "0,-0.3,1.2,0.9,0\n0.3,1.1,0.6,-0.1,1.35\n")
+    return path
 
 
 @pytest.fixture

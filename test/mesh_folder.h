@@ -1,9 +1,12 @@
 // A folder for the meshes of one test, and what is said of them.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -37,6 +40,22 @@ class MeshFolder : public testing::Test {
   fs::path folder_ = fs::temp_directory_path() / ("mesh_folder_" + std::to_string(::getpid()));
   MeshLoader load_ = makeMeshLoader();
 };
+
+/// Of the corners of each triangle, behind a header that may begin with some words.
+inline std::string binaryStl(const std::vector<std::array<float, 9>>& triangles,
+                             std::string stl = "") {
+  stl.resize(80, ' ');
+  const auto append = [&](const auto& value) {
+    stl.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  append(static_cast<std::uint32_t>(triangles.size()));
+  for (const auto& corners : triangles) {
+    for (int i = 0; i < 3; ++i) append(0.0f);
+    for (const float c : corners) append(c);
+    append(static_cast<std::uint16_t>(0));
+  }
+  return stl;
+}
 
 /// A triangle with the corners 0, (1, 0, 0) and (0, 0, 3). `asset`: what <asset> holds.
 inline std::string collada(const std::string& asset) {

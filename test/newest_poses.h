@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "demo_scene.h"
+#include "refusal.h"
 #include "robot_poses.h"
 
 namespace collision_pairs {
@@ -43,12 +44,7 @@ class NewestPoses : public testing::Test {
   }
   std::string between(const std::string& target, const std::string& source,
                       StampNs stamp = 10 * SECOND) const {
-    try {
-      poseBetween(buffer_, target, source, {Instant::AT, stamp});
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "known";
+    return refusal([&] { poseBetween(buffer_, target, source, {Instant::AT, stamp}); });
   }
   const std::shared_ptr<const RobotModel> robot_ = robotFrom(
       emptyLink("base") + emptyLink("arm") + emptyLink("tool") + emptyLink("wheel") +

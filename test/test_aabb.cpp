@@ -3,8 +3,7 @@
 #include "collision_pairs/aabb.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_aabb {
+namespace collision_pairs::test_aabb {
 
 using Eigen::Vector3d;
 
@@ -129,5 +128,4 @@ TEST(Aabb, WithANanOrInvertedIsNotValid) {
   EXPECT_FALSE((Aabb{{0, 0, 0}, {1, INFINITY, 1}}.valid()));
 }
 
-}  // namespace test_aabb
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_aabb

@@ -7,8 +7,7 @@
 #include "collision_pairs/occupied_voxels.h"
 #include "motion_fixtures.h"
 
-namespace collision_pairs {
-namespace test_abutting {
+namespace collision_pairs::test_abutting {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -187,5 +186,4 @@ TEST(Abutting, ABatchSaysWhatOneCheckSays) {
   }
 }
 
-}  // namespace test_abutting
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_abutting

@@ -7,8 +7,7 @@
 #include "signed_distance_oracle.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_aligned_shapes {
+namespace collision_pairs::test_aligned_shapes {
 
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
@@ -149,5 +148,4 @@ TEST(AlignedShapes, TheDepthIsTheLeastAndTheDistanceThatOfTheWitnessPoints) {
   }
 }
 
-}  // namespace test_aligned_shapes
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_aligned_shapes

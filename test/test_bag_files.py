@@ -6,7 +6,8 @@ import re
 import pytest
 import rosbag
 import rospy
-from conftest import DEMO_BAG, DEMO_ROBOT, records_of, rows_of, without_name
+from bags import copied
+from conftest import DEMO_BAG, DEMO_ROBOT, records_of, rows_of, sliding_boxes, without_name
 from seed import given_seed
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
@@ -36,25 +37,18 @@ def test_of_a_truncated_bag_the_front_is_read_and_the_loss_is_said(check_bag, ma
 
 @pytest.mark.parametrize("options", [(), ("--without", "tf")], ids=["transforms", "joint states"])
 def test_the_order_of_messages_in_the_file_does_not_matter(check_bag, make_bag, tmp_path, options):
-    straight, shuffled = make_bag("straight.bag", *options), tmp_path / "shuffled.bag"
-    with rosbag.Bag(str(straight)) as source, rosbag.Bag(str(shuffled), "w") as target:
-        messages = list(source.read_messages())
-        random.seed(given_seed())
-        random.shuffle(messages)
-        for topic, message, recorded in messages:
-            target.write(topic, message, recorded)
+    straight, draw = make_bag("straight.bag", *options), random.Random(given_seed())
+    shuffled = copied(tmp_path / "shuffled.bag", lambda messages: draw.sample(messages, len(messages)), straight)
     assert without_name(check_bag(shuffled)[0]) == without_name(check_bag(straight)[0])
 
 
 def test_of_many_topics_each_is_read_whatever_byte_its_number_is(check_bag, make_bag, tmp_path):
-    few, many = make_bag("few.bag", "--without", "tf"), tmp_path / "many.bag"
-    with rosbag.Bag(str(few)) as source, rosbag.Bag(str(many), "w") as target:
-        first, *rest = sorted(source.read_messages(), key=lambda m: m[0] != "/joint_states")
-        target.write(*first)
-        for number in range(1, ord("=") + 1):  # the last one's field in the headers of records is "conn=="
-            target.write("/topic%d" % number, JointState(), first[2])
-        for message in rest:
-            target.write(*message)
+    few = make_bag("few.bag", "--without", "tf")
+
+    def with_others(messages):  # the last one's field in the headers of records is "conn=="
+        first, *rest = sorted(messages, key=lambda m: m[0] != "/joint_states")
+        return [first] + [("/topic%d" % number, JointState(), first[2]) for number in range(1, ord("=") + 1)] + rest
+    many = copied(tmp_path / "many.bag", with_others, few)
     assert without_name(check_bag(many)[0]) == without_name(check_bag(few)[0])
 
 
@@ -179,10 +173,7 @@ def test_what_is_not_a_plain_bag_of_format_2_is_refused_with_the_way_out(run_too
         assert not (tmp_path / "out.csv").exists()
 
 
-BOX = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
-BOXES = "<robot name='boxes'><link name='root'/>" + "".join(
-    BOX % name + "<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
-    "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>" % (name, name) for name in "ab") + "</robot>"
+BOXES = sliding_boxes()
 
 
 def at(stamp, b=3.0, a=0.0, names=("slide_a", "slide_b")):

@@ -7,8 +7,7 @@
 #include "demo_scene.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_batch_check {
+namespace collision_pairs::test_batch_check {
 
 class Batch : public testing::Test {
  protected:
@@ -66,5 +65,4 @@ TEST_F(Batch, OfNothingIsNothing) {
       [](std::size_t, const CollisionReport&) { FAIL(); });
 }
 
-}  // namespace test_batch_check
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_batch_check

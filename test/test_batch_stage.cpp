@@ -11,8 +11,7 @@
 #include "collision_pairs/input_error.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_batch_stage {
+namespace collision_pairs::test_batch_stage {
 
 using Eigen::Vector3d;
 using Outcome = BatchStage::Group::Outcome;
@@ -390,5 +389,4 @@ TEST(BatchStage, WhatItDoesNotHandleComesToTheExactCheckAsAWhole) {
   }
 }
 
-}  // namespace test_batch_stage
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_batch_stage

@@ -7,8 +7,7 @@
 #include "pair_table.h"
 #include "static_field.h"
 
-namespace collision_pairs {
-namespace test_batch_tables {
+namespace collision_pairs::test_batch_tables {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -340,5 +339,4 @@ TEST(StaticField, KernelsFindNothingFurtherOutsideTheRegionOrInCellsThatAreNotFi
   }
 }
 
-}  // namespace test_batch_tables
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_batch_tables

@@ -11,8 +11,7 @@
 #include "benchmark/demo_motion.h"
 #include "joint_sampler.h"
 
-namespace collision_pairs {
-namespace test_batch_verdicts {
+namespace collision_pairs::test_batch_verdicts {
 
 constexpr std::uint64_t SEED = 20261121;
 constexpr std::size_t AT_A_TIME = 10000;
@@ -96,5 +95,4 @@ TEST_P(OfRobot, AreThoseOfTheExactCheckAloneAndInItsWorld) {
 
 INSTANTIATE_TEST_SUITE_P(BatchVerdicts, OfRobot, testing::Values("panda", "ur5", "pr2"));
 
-}  // namespace test_batch_verdicts
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_batch_verdicts

@@ -6,8 +6,7 @@
 #include "random_inputs.h"
 #include "triangle_tree.h"
 
-namespace collision_pairs {
-namespace test_box_gap {
+namespace collision_pairs::test_box_gap {
 
 using Eigen::Vector3d;
 
@@ -186,5 +185,4 @@ TEST(TriangleTree, HoldsEachTriangleOnceAndInTheBoxesAndOnePatchAboveIt) {
   }
 }
 
-}  // namespace test_box_gap
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_box_gap

@@ -16,8 +16,7 @@
 #include "random_inputs.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_certified_surroundings {
+namespace collision_pairs::test_certified_surroundings {
 
 constexpr KeptDistances ONE_CM = {0.01, 0.01, 0.0};
 
@@ -327,5 +326,4 @@ TEST(PreparedSurroundings, AreThoseOfTheSceneThatIsWantedOrNone) {
   EXPECT_EQ(prepared.get(first, patience())->scene(), first.scene);
 }
 
-}  // namespace test_certified_surroundings
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_certified_surroundings

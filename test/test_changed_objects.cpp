@@ -12,8 +12,7 @@
 #include "refusal.h"
 #include "scene_inputs.h"
 
-namespace collision_pairs {
-namespace test_changed_objects {
+namespace collision_pairs::test_changed_objects {
 
 using testing::HasSubstr;
 
@@ -235,5 +234,4 @@ TEST_F(Changed, TheOldSceneIsAsItWas) {
   EXPECT_EQ(after->objects()[1]->name, "here");
 }
 
-}  // namespace test_changed_objects
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_changed_objects

@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ET
 import pytest
 import rosbag
 import rospy
-from conftest import DEMO, DEMO_BAG, DEMO_ROBOT, rows_of, without_name
-from geometry_msgs.msg import TransformStamped
+from bags import copied, stamped_transform
+from conftest import DEMO, DEMO_BAG, DEMO_ROBOT, rows_of, sliding_boxes, without_name
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
@@ -68,20 +68,19 @@ def test_distances_name_every_pair_in_reach_and_agree_with_the_verdict(check_bag
 
 
 def test_old_tf_messages_and_leading_slashes_are_read(check_bag, tmp_path, make_bag):
-    old = tmp_path / "old.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(old), "w") as target:
-        fixed = []  # before tf2 they were sent again and again
-        for topic, message, stamp in source.read_messages(["/tf", "/tf_static"]):
-            for transform in message.transforms:
+    def as_before_tf2(messages):
+        fixed = []  # they were sent again and again
+        for topic, message, stamp in messages:
+            for transform in message.transforms if topic in ("/tf", "/tf_static") else ():
                 transform.header.frame_id = "/" + transform.header.frame_id
                 transform.child_frame_id = "/" + transform.child_frame_id
             if topic == "/tf_static":
                 fixed += message.transforms
-                continue
-            for transform in fixed:
-                transform.header.stamp = stamp
-            target.write("/tf", OldMessage(message.transforms + fixed), stamp)
-    rows, _ = check_bag(old, *DEMO_ROBOT)
+            elif topic == "/tf":
+                for transform in fixed:
+                    transform.header.stamp = stamp
+                yield "/tf", OldMessage(message.transforms + fixed), stamp
+    rows, _ = check_bag(copied(tmp_path / "old.bag", as_before_tf2), *DEMO_ROBOT)
     assert verdicts(rows) == verdicts(check_bag(DEMO_BAG)[0])
 
 
@@ -104,13 +103,13 @@ def test_of_several_robots_the_prefix_chooses_one(run_tool, check_bag, make_bag,
 
 
 def test_each_of_several_bags_is_checked_with_its_own_robot(check_bag, tmp_path):
-    changed = tmp_path / "changed.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(changed), "w") as target:
-        for topic, message, stamp in source.read_messages():
+    def with_thin_links(messages):
+        for topic, message, stamp in messages:
             if topic.endswith("robot_description"):
                 message.data = re.sub(r'size="[^"]*"', 'size="0.001 0.001 0.001"', message.data)
                 message.data = re.sub(r'(radius|length)="[^"]*"', r'\1="0.001"', message.data)
-            target.write(topic, message, stamp)
+            yield topic, message, stamp
+    changed = copied(tmp_path / "changed.bag", with_thin_links)
     demo, thin = verdicts(check_bag(DEMO_BAG)[0]), verdicts(check_bag(changed)[0])
     assert demo != thin
     assert verdicts(check_bag(DEMO_BAG, changed)[0]) == demo + thin
@@ -122,17 +121,10 @@ def test_joints_of_a_namespace_are_found_by_prefix(check_bag, make_bag):
 
 
 def test_over_a_gap_nothing_is_assumed_and_it_is_said(check_bag, make_bag, tmp_path):
-    bag = tmp_path / "gap.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
-        for topic, message, stamp in source.read_messages():
-            if not (topic == "/tf" and 1003.0 < stamp.to_sec() < 1005.0):
-                target.write(topic, message, stamp)
-        for i in range(50):  # a joint further out goes on moving
-            transform = TransformStamped()
-            transform.header.stamp = rospy.Time.from_sec(1003.02 + 0.04 * i)
-            transform.header.frame_id, transform.child_frame_id = "wrist", "wrist_ball"
-            transform.transform.rotation.w = 1.0
-            target.write("/tf", TFMessage([transform]), transform.header.stamp)
+    further_out = [stamped_transform("wrist", "wrist_ball", 1003.02 + 0.04 * i) for i in range(50)]  # it goes on moving
+    bag = copied(tmp_path / "gap.bag", lambda messages: [
+        m for m in messages if not (m[0] == "/tf" and 1003.0 < m[2].to_sec() < 1005.0)] + [
+            ("/tf", TFMessage([transform]), transform.header.stamp) for transform in further_out])
     rows, summary = check_bag(bag)
     inside = [row for row in rows if 1003.01 < float(row["stamp"]) < 1004.99]
     assert inside and all("forearm" in row["left_out"].split(";") for row in inside)
@@ -146,14 +138,14 @@ def test_over_a_gap_nothing_is_assumed_and_it_is_said(check_bag, make_bag, tmp_p
 
 
 def test_with_a_joint_that_the_bag_does_not_name_nothing_is_free(check_bag, tmp_path):
-    bag, recorded = tmp_path / "part.bag", tmp_path / "recorded.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
-        for topic, message, stamp in source.read_messages():
+    def without_a_joint(messages):
+        for topic, message, stamp in messages:
             if topic == "/joint_states":
                 message.name, message.position = message.name[1:], message.position[1:]
             if topic not in ("/tf", "/tf_static"):
-                target.write(topic, message, stamp)
-    rows, said = check_bag(bag, "--record", recorded)
+                yield topic, message, stamp
+    recorded = tmp_path / "recorded.bag"
+    rows, said = check_bag(copied(tmp_path / "part.bag", without_a_joint), "--record", recorded)
     assert "taken as zero" in said
     assert {row["verdict"] for row in rows} == {"unknown", "collision"}
     assert {row["in_collision"] for row in rows} == {"1"}
@@ -173,11 +165,8 @@ def test_verdict_only_gives_the_verdicts_and_at_most_one_pair(check_bag):
 
 
 def test_a_clock_that_goes_back_within_a_bag_is_said(check_bag, tmp_path):
-    bag = tmp_path / "twice.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
-        for later in (0, 100):
-            for topic, message, stamp in source.read_messages():
-                target.write(topic, message, stamp + rospy.Duration(later))
+    bag = copied(tmp_path / "twice.bag", lambda messages: messages + [
+        (topic, message, stamp + rospy.Duration(100)) for topic, message, stamp in messages])
     rows, said = check_bag(bag)
     assert "1 times its clock goes back" in said
     assert "clock" not in check_bag(DEMO_BAG)[1]
@@ -208,13 +197,7 @@ def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check
                     "".join(ball % link + tie % (link, link) for link in links))
     with rosbag.Bag(str(bag), "w") as target:
         for second in (1, 2):
-            transforms = []
-            for link in links[count:]:
-                transform = TransformStamped()
-                transform.header.stamp, transform.header.frame_id = rospy.Time(second), "root"
-                transform.child_frame_id, transform.transform.rotation.w = link, 1.0
-                transform.transform.translation.x = float(link == "known")
-                transforms.append(transform)
+            transforms = [stamped_transform("root", link, second, (float(link == "known"), 0.0, 0.0)) for link in links[count:]]
             target.write("/tf", TFMessage(transforms), rospy.Time(second))
     rows, summary = check_bag(bag, "--urdf", urdf, "--max-gap", "5")
     assert len(re.findall(r"^    l\d+  at 2 stamps$", summary, re.MULTILINE)) == min(20, count)
@@ -226,37 +209,28 @@ def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check
 
 
 def test_of_joint_states_without_a_stamp_nothing_is_used_as_by_robot_state_publisher(check_bag, tmp_path):
-    bag = tmp_path / "unstamped.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
-        for topic, message, stamp in source.read_messages():
+    def unstamped(messages):
+        for topic, message, stamp in messages:
             if topic == "/joint_states":
                 message.header.stamp = rospy.Time()
             if topic not in ("/tf", "/tf_static"):
-                target.write(topic, message, stamp + rospy.Duration(0, 7))
-    rows, summary = check_bag(bag)
+                yield topic, message, stamp + rospy.Duration(0, 7)
+    rows, summary = check_bag(copied(tmp_path / "unstamped.bag", unstamped))
     assert rows and {row["verdict"] for row in rows} == {"unknown"}
     assert "wrist" in rows[0]["left_out"]
 
 
 def test_transforms_that_are_no_rotations_are_counted_and_said(check_bag, tmp_path):
-    bag = tmp_path / "bent.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
-        for topic, message, stamp in source.read_messages():
-            target.write(topic, message, stamp)
-        bent = TransformStamped()
-        bent.header.stamp, bent.header.frame_id, bent.child_frame_id = rospy.Time(1001), "world", "bent"
-        bent.transform.rotation.w = 2.0
-        target.write("/tf", TFMessage([bent, bent]), bent.header.stamp)
+    bent = stamped_transform("world", "bent", 1001)
+    bent.transform.rotation.w = 2.0
+    bag = copied(tmp_path / "bent.bag", lambda messages: messages + [("/tf", TFMessage([bent, bent]), bent.header.stamp)])
     assert "2 transforms and joint positions that are not finite, not a rotation, or not one for each name" in check_bag(bag)[1]
 
 
 def test_time_in_contact_is_counted_from_stamp_to_stamp(check_bag, tmp_path):
     bag = tmp_path / "boxes.bag"
     urdf = tmp_path / "boxes.urdf"
-    box = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
-    urdf.write_text("<robot name='r'><link name='root'/>" + box % "a" + box % "b" + "".join(
-        "<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
-        "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>" % (n, n) for n in "ab") + "</robot>")
+    urdf.write_text(sliding_boxes())
     #            s:  0    1    2     3      4    7
     seen = [(0, 3), (1, 0.9), (2, 0.9), (3, 1.02), (4, 3), (7, 0.5), (8, 0.25)]
     with rosbag.Bag(str(bag), "w") as target:

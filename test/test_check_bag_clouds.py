@@ -1,12 +1,11 @@
 """check_bag --clouds: recorded point clouds as obstacles of the demo robot."""
-import copy
 import math
 import struct
 
 import pytest
 import rosbag
 import rospy
-from geometry_msgs.msg import TransformStamped, Vector3
+from bags import copied, in_order, stamped_transform
 from sensor_msgs.msg import Image, PointCloud2, PointField
 from tf2_msgs.msg import TFMessage
 
@@ -56,25 +55,16 @@ def palm_at(bag, seconds):
 def with_clouds(make_bag, tmp_path):
     """The demo's bag with a camera fixed in the world, and messages of a topic at their own stamps."""
     def make(clouds, topic=TOPIC, *options):
-        source_path, path = make_bag("source.bag", *options), tmp_path / "clouds.bag"
-        camera = TransformStamped()
-        camera.header.frame_id, camera.child_frame_id = "world", "camera"
-        camera.header.stamp = rospy.Time.from_sec(START)
-        t = camera.transform.translation
-        (t.x, t.y, t.z), camera.transform.rotation.w = CAMERA, 1.0
-        utm = copy.deepcopy(camera)
-        utm.child_frame_id, utm.transform.translation = "utm", Vector3(-UTM_X, 0.0, 0.0)
-        with rosbag.Bag(str(source_path)) as source, rosbag.Bag(str(path), "w") as target:
-            target.write("/tf_static", TFMessage([camera, utm]), camera.header.stamp)
-            messages = [(stamp.to_nsec(), number, of, message)
-                        for number, (of, message, stamp) in enumerate(source.read_messages())]
-            recorded = 0
-            for i, cloud in enumerate(clouds):  # at its stamp, and one after the other
-                recorded = max(recorded + 1000, cloud.header.stamp.to_nsec())
-                messages.append((recorded, 10**6 + i, topic, cloud))
-            for when, _, of, message in sorted(messages, key=lambda m: m[:2]):
-                target.write(of, message, rospy.Time(nsecs=when))
-        return path
+        camera = stamped_transform("world", "camera", START, CAMERA)
+        utm = stamped_transform("world", "utm", START, (-UTM_X, 0.0, 0.0))
+
+        def change(messages):
+            recorded = rospy.Time()
+            for cloud in clouds:  # at its stamp, and one after the other
+                recorded = max(recorded + rospy.Duration(0, 1000), cloud.header.stamp)
+                messages.append((topic, cloud, recorded))
+            return [("/tf_static", TFMessage([camera, utm]), camera.header.stamp)] + in_order(messages)
+        return copied(tmp_path / "clouds.bag", change, make_bag("source.bag", *options))
     return make
 
 
@@ -263,14 +253,12 @@ def test_clouds_that_show_nothing_are_free_with_a_warning_where_they_are_allowed
 
 @pytest.mark.parametrize("ahead, is_used", [(0.4, True), (0.6, False)])
 def test_a_cloud_from_the_future_is_refused_beyond_half_a_second(check, with_clouds, tmp_path, ahead, is_used):
-    bag = tmp_path / "ahead.bag"
-    one_cloud = with_clouds([cloud_of(FAR_SEEN, START + 1.0)])
-    with rosbag.Bag(str(one_cloud)) as source, rosbag.Bag(str(bag), "w") as target:
-        for topic, message, recorded in source.read_messages():
+    def change(messages):
+        for topic, message, recorded in messages:
             if topic == TOPIC:
                 message.header.stamp = recorded + rospy.Duration.from_sec(ahead)
-            target.write(topic, message, recorded)
-    rows, said = check(bag)
+            yield topic, message, recorded
+    rows, said = check(copied(tmp_path / "ahead.bag", change, with_clouds([cloud_of(FAR_SEEN, START + 1.0)])))
     assert ("0.60 s ahead of the clock" in said) != is_used, said
     assert any(row["verdict"] == "free" for row in rows) == is_used
 
@@ -278,14 +266,9 @@ def test_a_cloud_from_the_future_is_refused_beyond_half_a_second(check, with_clo
 def test_a_cloud_counts_once_it_was_recorded(check, with_clouds, tmp_path):
     found = []
     for late in (0.0, 0.5):
-        bag = tmp_path / "two.bag"
-        with rosbag.Bag(str(with_clouds(every(0.2, 4, FAR_SEEN)))) as source:
-            messages = [(recorded, topic, message) for topic, message, recorded in source.read_messages()]
-        for cloud in every(0.4, 4, FAR_SEEN):
-            messages.append((cloud.header.stamp + rospy.Duration.from_sec(late), "/lidar/points", cloud))
-        with rosbag.Bag(str(bag), "w") as target:
-            for recorded, topic, message in sorted(messages, key=lambda m: m[0]):
-                target.write(topic, message, recorded)
+        second = [("/lidar/points", cloud, cloud.header.stamp + rospy.Duration.from_sec(late)) for cloud in every(0.4, 4, FAR_SEEN)]
+        bag = copied(tmp_path / "two.bag", lambda messages, second=second: in_order(messages + second),
+                     with_clouds(every(0.2, 4, FAR_SEEN)))
         found.append(check(bag, topics=("camera/points", "lidar/points"))[0])
     on_time, late = ([(row["stamp"], row["verdict"]) for row in rows] for rows in found)
     arrived = sum(float(stamp) < START + 0.5 for stamp, _ in late)
@@ -329,11 +312,15 @@ def test_of_a_bag_without_any_cloud_that_is_said(run_tool, make_bag):
         "--clouds: the bag has no messages on topic 'camera/points'; topics with clouds: none")
 
 
+def with_clouds_later(path, seconds, source):
+    """The same but for when the clouds were recorded."""
+    return copied(path, lambda messages: [(topic, message, recorded + rospy.Duration.from_sec(seconds if topic == TOPIC else 0))
+                                          for topic, message, recorded in messages], source)
+
+
 def test_clouds_that_were_recorded_too_late_are_refused(check, with_clouds, tmp_path):
-    on_time, late = with_clouds(every(0.2, 9, FAR_SEEN)), tmp_path / "late.bag"
-    with rosbag.Bag(str(on_time)) as source, rosbag.Bag(str(late), "w") as target:
-        for topic, message, stamp in source.read_messages():
-            target.write(topic, message, stamp + rospy.Duration(1.5 if topic == TOPIC else 0))
+    on_time = with_clouds(every(0.2, 9, FAR_SEEN))
+    late = with_clouds_later(tmp_path / "late.bag", 1.5, on_time)
     assert "free" in {row["verdict"] for row in check(on_time)[0]}
     rows, _ = check(late)
     assert {row["verdict"] for row in rows} == {"unknown", "collision"}
@@ -341,10 +328,8 @@ def test_clouds_that_were_recorded_too_late_are_refused(check, with_clouds, tmp_
 
 
 def test_a_cloud_of_a_camera_whose_clock_is_ahead_ages_from_its_arrival_on(check, with_clouds, tmp_path):
-    ahead, at_stamp = tmp_path / "ahead.bag", with_clouds([cloud_of(FAR_SEEN, START + 0.9)])
-    with rosbag.Bag(str(at_stamp)) as source, rosbag.Bag(str(ahead), "w") as target:
-        for topic, message, stamp in source.read_messages():
-            target.write(topic, message, stamp - rospy.Duration(0.4 if topic == TOPIC else 0))
+    at_stamp = with_clouds([cloud_of(FAR_SEEN, START + 0.9)])
+    ahead = with_clouds_later(tmp_path / "ahead.bag", -0.4, at_stamp)
     for bag in (at_stamp, ahead):
         rows, _ = check(bag)
         inside = [row for row in rows if START + 1.55 < float(row["stamp"]) < START + 1.85]

@@ -6,6 +6,7 @@ import pytest
 import rosbag
 import rospy
 from collision_pairs.msg import RobotDescription, Scene, SceneObject
+from bags import copied, in_order
 from conftest import DEMO_BAG, DEMO_ROBOT, records_of, rows_of
 from geometry_msgs.msg import Pose
 from seed import given_seed
@@ -38,18 +39,16 @@ def scene_at(seconds, revision, objects=(), settings="{}", since=None):
     return seconds, scene
 
 
+def of_topics(messages, *topics):
+    return [message for message in messages if message[0] in topics]
+
+
 @pytest.fixture
 def bag_with(tmp_path):
     """The demo's bag without its descriptions, and scenes."""
     def make(*scenes, topics=(TOPIC,)):
-        path = tmp_path / "scenes.bag"
-        with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(path), "w") as target:
-            for topic in topics:
-                for seconds, scene in scenes:
-                    target.write(topic, scene, rospy.Time.from_sec(START + seconds))
-            for topic, message, stamp in source.read_messages(["/tf", "/tf_static", "/joint_states"]):
-                target.write(topic, message, stamp)
-        return path
+        first = [(topic, scene, rospy.Time.from_sec(START + seconds)) for topic in topics for seconds, scene in scenes]
+        return copied(tmp_path / "scenes.bag", lambda messages: first + of_topics(messages, "/tf", "/tf_static", "/joint_states"))
     return make
 
 
@@ -209,12 +208,9 @@ def test_after_a_scene_that_cannot_be_read_nothing_is_free_until_the_next(check_
 
 
 def test_after_a_part_of_the_bag_that_is_lost_nothing_is_free_until_the_next_scene(check_bag, tmp_path):
-    path = tmp_path / "hole.bag"
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(path), "w", compression="bz2", chunk_threshold=20000) as target:
-        messages = [(topic, message, stamp) for topic, message, stamp in source.read_messages(["/tf", "/tf_static"])]
-        messages += [(TOPIC, scene, rospy.Time.from_sec(START + seconds)) for seconds, scene in (scene_at(0, 1), scene_at(7, 2))]
-        for topic, message, stamp in sorted(messages, key=lambda m: m[2]):
-            target.write(topic, message, stamp)
+    scenes = [(TOPIC, scene, rospy.Time.from_sec(START + seconds)) for seconds, scene in (scene_at(0, 1), scene_at(7, 2))]
+    path = copied(tmp_path / "hole.bag", lambda messages: in_order(of_topics(messages, "/tf", "/tf_static") + scenes),
+                  compression="bz2", chunk_threshold=20000)
     content = bytearray(path.read_bytes())
     places = [i for i in range(len(content)) if content[i:i + 4] == b"BZh9"]
     middle = places[len(places) // 2]
@@ -243,14 +239,10 @@ def headers(content, begin):
 
 
 def test_where_a_bit_of_a_record_header_is_wrong_no_scene_is_left_out_in_silence(run_tool, tmp_path):
-    bag, damaged, table = (tmp_path / name for name in ("sound.bag", "damaged.bag", "table.csv"))
+    damaged, table = tmp_path / "damaged.bag", tmp_path / "table.csv"
     scenes = scene_at(0.005, 1), scene_at(0.01, 2, [ball("held", "palm")])  # the wrist touches it
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w", chunk_threshold=20000) as target:
-        messages = [(topic, message, stamp) for topic, message, stamp in source.read_messages()]
-        messages += [(TOPIC, scene, rospy.Time.from_sec(START + seconds)) for seconds, scene in scenes]
-        for topic, message, stamp in sorted(messages, key=lambda m: m[2]):
-            target.write(topic, message, stamp)
-    content = bag.read_bytes()
+    scenes = [(TOPIC, scene, rospy.Time.from_sec(START + seconds)) for seconds, scene in scenes]
+    content = copied(tmp_path / "sound.bag", lambda messages: in_order(messages + scenes), chunk_threshold=20000).read_bytes()
     magic = len("#ROSBAG V2.0\n")
     all_headers = list(headers(content[magic:], magic))
     number = next(re.search(b"conn=....", header, re.DOTALL)[0] for _, header in all_headers if TOPIC.encode() in header)
@@ -273,13 +265,9 @@ def test_where_a_bit_of_a_record_header_is_wrong_no_scene_is_left_out_in_silence
 
 
 def test_a_robot_that_changes_while_joint_states_place_it_is_refused(run_tool, tmp_path):
-    path = tmp_path / "other.bag"
     seconds, other = scene_at(3, 2)
     other.robots[0].urdf = other.robots[0].urdf.replace("<robot ", "<robot version='1.0' ")
-    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(path), "w") as target:
-        for at, scene in (scene_at(0, 1), (seconds, other)):
-            target.write(TOPIC, scene, rospy.Time.from_sec(START + at))
-        for topic, message, stamp in source.read_messages(["/joint_states"]):
-            target.write(topic, message, stamp)
+    scenes = [(TOPIC, scene, rospy.Time.from_sec(START + at)) for at, scene in (scene_at(0, 1), (seconds, other))]
+    path = copied(tmp_path / "other.bag", lambda messages: scenes + of_topics(messages, "/joint_states"))
     done = run_tool("check_bag", path)
     assert done.returncode == 2 and "a robot changes in revision 2, but joint states place it" in done.stderr

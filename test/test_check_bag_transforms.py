@@ -4,23 +4,17 @@ import csv
 import pytest
 import rosbag
 import rospy
-from geometry_msgs.msg import TransformStamped
+from bags import stamped_transform
+from conftest import sliding_boxes
 from tf2_msgs.msg import TFMessage
 
 START = 1000.0
 NODES = {"/tf": "/honest", "tf": "/liar", "/tf_static": "/static"}  # by topic: a connection each
-BOX = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
-SLIDE = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
-         "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
 TIP = "<link name='tip'/><joint name='to_tip' type='fixed'><parent link='b'/><child link='tip'/></joint>"
 
 
 def link_at(link, seconds, x, parent="root"):
-    transform = TransformStamped()
-    transform.header.stamp, transform.header.frame_id = rospy.Time.from_sec(seconds), parent
-    transform.child_frame_id, transform.transform.rotation.w = link, 1.0
-    transform.transform.translation.x = x
-    return TFMessage([transform])
+    return TFMessage([stamped_transform(parent, link, seconds, (x, 0.0, 0.0))])
 
 
 @pytest.fixture
@@ -28,8 +22,7 @@ def check(run_tool, tmp_path):
     """Boxes a (still) and b, which has a tip; `messages` are (topic, recorded, message). The finished process and the rows."""
     def run(messages, *arguments):
         urdf, bag, out = tmp_path / "boxes.urdf", tmp_path / "boxes.bag", tmp_path / "out.csv"
-        urdf.write_text("<robot name='r'><link name='root'/>%s</robot>" %
-                        ("".join(BOX % n + SLIDE % (n, n) for n in "ab") + TIP))
+        urdf.write_text(sliding_boxes(more=TIP))
         with rosbag.Bag(str(bag), "w") as target:
             for topic, recorded, message in sorted(messages, key=lambda m: m[1]):
                 header = {"topic": topic, "callerid": NODES[topic], "type": message._type, "md5sum": message._md5sum,

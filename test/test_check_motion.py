@@ -4,10 +4,8 @@ import io
 import os
 
 import pytest
-from conftest import DEMO, PROJECT
+from conftest import DEMO, SRDF, URDF, sliding_boxes
 
-URDF = os.path.join(DEMO, "demo_robot.urdf")
-SRDF = os.path.join(DEMO, "demo_robot.srdf")
 HEADER = ["segment", "verdict", "clearance", "contact_at", "free_until", "pairs", "nb_checks", "microseconds"]
 JOINTS = "shoulder_pan,shoulder_lift,upper_arm_roll,elbow_flex,forearm_roll,wrist_flex,wrist_roll,gripper"
 
@@ -162,17 +160,12 @@ def test_a_cloud_is_an_obstacle_of_motions(run_tool, tmp_path):
     assert row["verdict"] == "collision" and "cloud" in row["pairs"]
 
 
-BALL = "<link name='%s'><collision><geometry><sphere radius='0.5'/></geometry></collision></link>"
-SLIDE = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
-         "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
-
-
 @pytest.fixture
 def check_balls(run_tool, tmp_path):
     """Of balls a, b and c of half a metre on the x-axis at the positions of each waypoint: a row each segment."""
     def run(waypoints, *options):
         urdf, given, out = tmp_path / "balls.urdf", tmp_path / "given.csv", tmp_path / "out.csv"
-        urdf.write_text("<robot name='r'><link name='root'/>%s</robot>" % "".join(BALL % n + SLIDE % (n, n) for n in "abc"))
+        urdf.write_text(sliding_boxes("abc", "<sphere radius='0.5'/>"))
         given.write_text("\n".join(["slide_a,slide_b,slide_c"] + [",".join(map(repr, state)) for state in waypoints]) + "\n")
         done = run_tool("check_motion", urdf, "--waypoints", given, "--out", out, *options)
         assert done.returncode == 0 and done.stderr == "", done.stderr

@@ -4,8 +4,7 @@
 #include "collision_pairs/narrow_phase.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_closed_forms {
+namespace collision_pairs::test_closed_forms {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 
@@ -120,18 +119,4 @@ TEST(ClosedForms, HalfSpacesMeetUnlessTheyFaceEachOther) {
   EXPECT_EQ(distanceOf(HalfSpace{}, HalfSpace{}, X_AB).distance, 2.0);
 }
 
-TEST(ClosedForms, SeparatingAxesAgreeWithTheSignedDistanceOfBoxes) {
-  RandomInputs random;
-  NarrowPhase narrow_phase;
-  for (int i = 0; i < 20000; ++i) {
-    const auto A = prepareShape(Box{random.vector(0.0, 1.0)});
-    const auto B = prepareShape(Box{random.vector(0.0, 1.0)});
-    const Eigen::Isometry3d X_AB = random.pose(0.8);
-    const double distance = narrow_phase.distance(*A, *B, X_AB, INF).distance;
-    if (std::abs(distance) < 1e-14) continue;
-    ASSERT_EQ(narrow_phase.touches(*A, *B, X_AB), distance <= 0.0) << i << " " << distance;
-  }
-}
-
-}  // namespace test_closed_forms
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_closed_forms

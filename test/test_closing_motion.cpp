@@ -10,8 +10,7 @@
 #include "random_inputs.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_closing_motion {
+namespace collision_pairs::test_closing_motion {
 
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
@@ -312,5 +311,4 @@ TEST(ClosingMotion, NothingTouchesBeforeItsTime) {
   EXPECT_GT(nb_tight, 30);
 }
 
-}  // namespace test_closing_motion
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_closing_motion

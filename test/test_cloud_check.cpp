@@ -3,8 +3,7 @@
 
 #include "cloud_as_boxes.h"
 
-namespace collision_pairs {
-namespace test_cloud_check {
+namespace collision_pairs::test_cloud_check {
 
 using Eigen::Isometry3d;
 
@@ -208,5 +207,4 @@ TEST_F(CloudCheck, AVoxelInTheWallOfAHollowBodyIsInContactBesideOneInTheHollow) 
   }
 }
 
-}  // namespace test_cloud_check
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cloud_check

@@ -6,8 +6,7 @@
 #include "documented_defaults.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_cloud_config {
+namespace collision_pairs::test_cloud_config {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -176,5 +175,4 @@ TEST(CloudConfig, HasTheDefaultsThatThePageStates) {
   }
 }
 
-}  // namespace test_cloud_config
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cloud_config

@@ -5,8 +5,7 @@
 #include "cloud_as_boxes.h"
 #include "collision_pairs/input_error.h"
 
-namespace collision_pairs {
-namespace test_cloud_input {
+namespace collision_pairs::test_cloud_input {
 
 using Eigen::Isometry3d;
 
@@ -136,5 +135,4 @@ TEST_F(CloudCheck, NamesAndSizesOfCloudsAreChecked) {
   EXPECT_THROW(build(no_cube), InputError);
 }
 
-}  // namespace test_cloud_input
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cloud_input

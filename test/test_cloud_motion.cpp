@@ -7,8 +7,7 @@
 #include "motion_fixtures.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_cloud_motion {
+namespace collision_pairs::test_cloud_motion {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -139,5 +138,4 @@ TEST(CloudMotion, TheTimeToContactIsNoLaterThanThatOfAnyVoxel) {
   EXPECT_GT(closing.time_to_contact, 0.0);
 }
 
-}  // namespace test_cloud_motion
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cloud_motion

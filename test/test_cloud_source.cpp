@@ -6,8 +6,7 @@
 #include "monitored_robot.h"
 #include "point_cloud.h"
 
-namespace collision_pairs {
-namespace test_cloud_source {
+namespace collision_pairs::test_cloud_source {
 
 using testing::HasSubstr;
 
@@ -85,5 +84,4 @@ TEST(ACloudSource, DoesNotForgetWhatVanishedWhenTheClockIsSetBack) {
   EXPECT_EQ(problemAfterTheClockWentBack(true, 6.0), "") << "a bag that begins anew";
 }
 
-}  // namespace test_cloud_source
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cloud_source

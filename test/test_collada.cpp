@@ -4,8 +4,7 @@
 
 #include "mesh_folder.h"
 
-namespace collision_pairs {
-namespace test_collada {
+namespace collision_pairs::test_collada {
 
 class Collada : public MeshFolder {};
 
@@ -165,5 +164,4 @@ TEST_F(Collada, ANodeThatFlattensWhatItPlacesIsRefused) {
   }
 }
 
-}  // namespace test_collada
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_collada

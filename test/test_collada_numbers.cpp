@@ -11,8 +11,7 @@
 #include "collision_pairs/input_error.h"
 #include "mesh_folder.h"
 
-namespace collision_pairs {
-namespace test_collada_numbers {
+namespace collision_pairs::test_collada_numbers {
 
 using testing::HasSubstr;
 using tinyxml2::XMLElement;
@@ -230,5 +229,4 @@ TEST_F(ColladaNumbers, DecimalsAreReadHoweverTheyAreWritten) {
   EXPECT_EQ(read(text).first, whole_);
 }
 
-}  // namespace test_collada_numbers
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_collada_numbers

@@ -9,8 +9,7 @@
 #include "random_inputs.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_collision_detector {
+namespace collision_pairs::test_collision_detector {
 
 std::shared_ptr<const CollisionScene> sceneOf(const std::string& links_and_joints) {
   return CollisionScene::build(robotFrom(links_and_joints), std::nullopt, nullptr);
@@ -395,5 +394,4 @@ TEST(CollisionScene, ANameInRobotAndWorldIsRefused) {
   EXPECT_THROW(CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, world), InputError);
 }
 
-}  // namespace test_collision_detector
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_collision_detector

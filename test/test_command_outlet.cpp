@@ -14,8 +14,7 @@
 #include "command_outlet.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_command_outlet {
+namespace collision_pairs::test_command_outlet {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 
@@ -248,5 +247,4 @@ TEST_F(Outlet, AfterAnOverrunTheRobotIsWhereTheNextTubeSays) {
   }
 }
 
-}  // namespace test_command_outlet
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_command_outlet

@@ -9,8 +9,7 @@
 #include "epa.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_convex_contact {
+namespace collision_pairs::test_convex_contact {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -184,7 +183,10 @@ TEST(ConvexContact, AMarginIsKeptIfAndOnlyIfTheDistanceIsNotMore) {
     pair.X_AB.translation() *= 1.0 + std::pow(10.0, random.uniform(-14.0, 0.0));
     const auto A = prepareShape(pair.a), B = prepareShape(pair.b);
     const double distance = narrow_phase.distance(*A, *B, pair.X_AB, INF).distance;
-    if (distance <= 0.0) continue;
+    if (distance <= 0.0) {
+      ASSERT_TRUE(narrow_phase.touches(*A, *B, pair.X_AB, 0.2 * pair.smaller())) << i;
+      continue;
+    }
     const double below = std::nextafter(distance, 0.0);
     ASSERT_TRUE(narrow_phase.touches(*A, *B, pair.X_AB, distance)) << i;
     ASSERT_FALSE(narrow_phase.touches(*A, *B, pair.X_AB, below)) << i;
@@ -277,5 +279,4 @@ TEST(DoubleDouble, IsAsAccurateAsItsEpsilonSays) {
   }
 }
 
-}  // namespace test_convex_contact
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_convex_contact

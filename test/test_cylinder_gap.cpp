@@ -7,8 +7,7 @@
 #include "prepared_shape.h"
 #include "signed_distance_oracle.h"
 
-namespace collision_pairs {
-namespace test_cylinder_gap {
+namespace collision_pairs::test_cylinder_gap {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -116,5 +115,4 @@ TEST(CylinderGap, CommonPointsAreInBoth) {
   EXPECT_GE(nb_found, pairs.size() / 4);
 }
 
-}  // namespace test_cylinder_gap
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cylinder_gap

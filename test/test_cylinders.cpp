@@ -6,8 +6,7 @@
 #include "certified_depth.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_cylinders {
+namespace collision_pairs::test_cylinders {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -162,21 +161,4 @@ TEST(Cylinders, YesOrNoOfSliversIsTheSignOfTheDistance) {
   EXPECT_GT(apart, 5000);
 }
 
-TEST(Cylinders, YesOrNoWithAMarginIsThatOfTheDistance) {
-  RandomInputs random;
-  NarrowPhase narrow_phase;
-  const std::vector<std::string> kinds{"box", "sphere", "cylinder", "capsule", "convex"};
-  for (int i = 0; i < 4000; ++i) {
-    const auto A = prepareShape(randomShape(random, kinds[random.integer(0, 4)]));
-    const auto B = prepareShape(randomShape(random, kinds[random.integer(0, 4)]));
-    const Isometry3d X_AB = random.pose(0.4);
-    const double distance = narrow_phase.distance(*A, *B, X_AB, INF).distance;
-    for (const double margin : {0.0, 0.05, 0.2, distance - 1e-9, distance + 1e-9}) {
-      if (margin < 0.0) continue;
-      ASSERT_EQ(narrow_phase.touches(*A, *B, X_AB, margin), distance <= margin) << i;
-    }
-  }
-}
-
-}  // namespace test_cylinders
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_cylinders

@@ -9,8 +9,7 @@
 #include "depth_image.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_depth_image {
+namespace collision_pairs::test_depth_image {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -100,5 +99,4 @@ TEST(DepthImage, ShowsTheNearestOfSeveralShapes) {
   }
 }
 
-}  // namespace test_depth_image
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_depth_image

@@ -6,8 +6,7 @@
 
 #include "depth_map.h"
 
-namespace collision_pairs {
-namespace test_depth_map {
+namespace collision_pairs::test_depth_map {
 
 using Eigen::Vector3d;
 
@@ -41,5 +40,4 @@ TEST(DepthMap, ABinWithoutRaysTakesThoseOfAllTheBinsAroundIt) {
   }
 }
 
-}  // namespace test_depth_map
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_depth_map

@@ -9,8 +9,7 @@
 #include "random_inputs.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_distance_gradient {
+namespace collision_pairs::test_distance_gradient {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -396,5 +395,4 @@ TEST_F(GradientOfDistance, IsNoneWhereThereIsNoDistance) {
   expectNone("no time");
 }
 
-}  // namespace test_distance_gradient
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_distance_gradient

@@ -8,8 +8,7 @@
 #include "double_double.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_double_double {
+namespace collision_pairs::test_double_double {
 
 using Exact = boost::multiprecision::cpp_bin_float_100;
 
@@ -89,5 +88,4 @@ TEST(DoubleDouble, OverflowsToInfinityAndNotToNothing) {
   EXPECT_TRUE(isfinite(large));
 }
 
-}  // namespace test_double_double
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_double_double

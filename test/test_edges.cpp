@@ -9,8 +9,7 @@
 #include "edge_group.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_edges {
+namespace collision_pairs::test_edges {
 
 using Outcome = BatchStage::EdgeGroup::Outcome;
 using Cell = PairTable::Cell;
@@ -305,5 +304,4 @@ TEST(MotionCheck, OnlyFreeIsWhatTheSearchSaysHoweverMuchWasAskedBefore) {
   EXPECT_GT(nb_by_stage, 200);
 }
 
-}  // namespace test_edges
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_edges

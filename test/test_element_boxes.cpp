@@ -10,8 +10,7 @@
 #include "pose_repair.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_element_boxes {
+namespace collision_pairs::test_element_boxes {
 
 std::shared_ptr<const CollisionScene> mixedScene(double padding = 0.0, int max_hull_vertices = 0) {
   SceneDescription description;
@@ -210,5 +209,4 @@ TEST(ElementBoxes, WhatHasAFiniteTightBoxIsNotLeftOut) {
   }
 }
 
-}  // namespace test_element_boxes
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_element_boxes

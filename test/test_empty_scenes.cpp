@@ -9,8 +9,7 @@
 #include "demo_scene.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_empty_scenes {
+namespace collision_pairs::test_empty_scenes {
 
 struct Case {
   std::string words;  ///< CollisionScene::unchecked()
@@ -210,5 +209,4 @@ TEST(EmptyScenes, AreNotThoseWhoseOwnBroadPhaseFindsNothing) {
   EXPECT_EQ(detector.report().unchecked, "");
 }
 
-}  // namespace test_empty_scenes
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_empty_scenes

@@ -3,8 +3,7 @@
 #include "mesh_bounds.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_enclosure {
+namespace collision_pairs::test_enclosure {
 
 TriangleMesh randomPoints(RandomInputs& random, int count, const Eigen::Vector3d& scale) {
   TriangleMesh mesh;
@@ -158,5 +157,4 @@ TEST(Enclosure, HullVerticesReachAsFarAsAllVerticesInEveryDirection) {
   }
 }
 
-}  // namespace test_enclosure
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_enclosure

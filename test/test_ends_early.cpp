@@ -7,8 +7,7 @@
 #include "demo_scene.h"
 #include "random_case.h"
 
-namespace collision_pairs {
-namespace test_ends_early {
+namespace collision_pairs::test_ends_early {
 
 /// All contacts of a report between elements that are certainly in contact, in the order in which
 /// a check without time budget finds them.
@@ -264,5 +263,4 @@ TEST(AVerdict, EndsAtTheFirstContactWhateverElseIsSet) {
   EXPECT_FALSE(detector.report().ended_early);
 }
 
-}  // namespace test_ends_early
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_ends_early

@@ -4,8 +4,7 @@
 
 #include "signed_distance_oracle.h"
 
-namespace collision_pairs {
-namespace test_fcl_regressions {
+namespace collision_pairs::test_fcl_regressions {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 
@@ -214,5 +213,4 @@ TEST(FclRegressions, Issue492RegressionABodyInsideAMeshIsAContact) {
   EXPECT_EQ(result.certainty, Certainty::EXACT);
 }
 
-}  // namespace test_fcl_regressions
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_fcl_regressions

@@ -7,8 +7,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_fidelity_ladder {
+namespace collision_pairs::test_fidelity_ladder {
 
 using Distances = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
 
@@ -79,17 +78,21 @@ class Ladder {
   CollisionDetector detector_;
 };
 
-std::shared_ptr<const CollisionScene> sceneWithHulls(int max_hull_vertices) {
+std::shared_ptr<const CollisionScene> sceneWithHulls(int max_hull_vertices, double padding = 0.0) {
   SceneSettings settings;
   settings.max_hull_vertices = max_hull_vertices;
+  settings.padding = padding;
+  if (padding > 0.0) settings.pair_padding = {{"a", "*", 0.01}, {"d", "*", 0.1}};
   return CollisionScene::build(mixedRobot(2), std::nullopt, nullptr, settings);
 }
 
-class NestingOfRandomPairs : public testing::TestWithParam<int> {};
+/// Of the most vertices of a hull, and a padding.
+class NestingOfRandomPairs : public testing::TestWithParam<std::pair<int, double>> {};
 
 TEST_P(NestingOfRandomPairs, KeepsContactsAndBoundsDistances) {
   RandomInputs random;
-  const auto scene = sceneWithHulls(GetParam());
+  const auto [max_hull_vertices, padding] = GetParam();
+  const auto scene = sceneWithHulls(max_hull_vertices, padding);
   Ladder ladder(scene);
   BodyPoses poses;
   poses.resize(scene->bodies().size());
@@ -102,8 +105,10 @@ TEST_P(NestingOfRandomPairs, KeepsContactsAndBoundsDistances) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(ExactHulls, NestingOfRandomPairs, testing::Values(0));
-INSTANTIATE_TEST_SUITE_P(SimplifiedHulls, NestingOfRandomPairs, testing::Values(8, 24));
+INSTANTIATE_TEST_SUITE_P(ExactHulls, NestingOfRandomPairs, testing::Values(std::pair{0, 0.0}));
+INSTANTIATE_TEST_SUITE_P(SimplifiedHulls, NestingOfRandomPairs,
+                         testing::Values(std::pair{8, 0.0}, std::pair{24, 0.0}));
+INSTANTIATE_TEST_SUITE_P(Padded, NestingOfRandomPairs, testing::Values(std::pair{0, 0.03}));
 
 TEST(FidelityLadder, AVerdictIsThatOfTheContactsAtEveryRung) {
   RandomInputs random;
@@ -214,5 +219,4 @@ TEST(FidelityLadder, IsNestedInAllReferenceStates) {
   }
 }
 
-}  // namespace test_fidelity_ladder
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_fidelity_ladder

@@ -4,8 +4,7 @@
 #include "processed_clouds.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_followed_obstacles {
+namespace collision_pairs::test_followed_obstacles {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -300,5 +299,4 @@ TEST_F(Follower, RemembersNoLongerWhatIsFarFromTheRobot) {
   EXPECT_EQ(add(processor_, wallAt(0.5))->size(), 0u);
 }
 
-}  // namespace test_followed_obstacles
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_followed_obstacles

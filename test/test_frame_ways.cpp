@@ -6,8 +6,7 @@
 #include "frame_ways.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_frame_ways {
+namespace collision_pairs::test_frame_ways {
 
 using Eigen::Vector3d;
 
@@ -182,5 +181,4 @@ TEST(FramePoses, AreThoseOfKnownTransformsAloneWhateverElseTf2Has) {
   EXPECT_GT(nb_from_below, 200);
 }
 
-}  // namespace test_frame_ways
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_frame_ways

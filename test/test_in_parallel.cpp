@@ -11,8 +11,7 @@
 #include "failing_threads.h"
 #include "in_parallel.h"
 
-namespace collision_pairs {
-namespace test_in_parallel {
+namespace collision_pairs::test_in_parallel {
 
 /// How often each index was asked for, how many threads did that, and whether two calls with one
 /// thread number overlapped.
@@ -91,5 +90,4 @@ TEST(InParallel, ZeroThreadsAreAsManyAsTheMachineHasAndNeverMoreThanThereIsWork)
   EXPECT_EQ(nbThreads(3, 2), 2u);
 }
 
-}  // namespace test_in_parallel
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_in_parallel

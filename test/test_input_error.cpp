@@ -3,8 +3,7 @@
 
 #include "collision_pairs/input_error.h"
 
-namespace collision_pairs {
-namespace test_input_error {
+namespace collision_pairs::test_input_error {
 
 std::string said(const std::string& message) { return InputError(message).what(); }
 
@@ -28,5 +27,4 @@ TEST(InputErrors, OfALongValueKeepBothEndsAndWholeCharacters) {
   EXPECT_EQ(said(short_enough + 'x').size(), 1000u);  // no byte is lost that has a place
 }
 
-}  // namespace test_input_error
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_input_error

@@ -6,9 +6,9 @@
 
 #include "collision_pairs/joint_columns.h"
 #include "demo_scene.h"
+#include "refusal.h"
 
-namespace collision_pairs {
-namespace test_joint_columns {
+namespace collision_pairs::test_joint_columns {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -34,13 +34,8 @@ std::shared_ptr<const RobotModel> mimickingRobot() {
 
 class JointColumnsTest : public testing::Test {
  protected:
-  std::string refusal(const std::vector<std::string>& names, const std::vector<double>& state) {
-    try {
-      JointColumns(names, *robot_).check(state.data());
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+  std::string refusalOf(const std::vector<std::string>& names, const std::vector<double>& state) {
+    return refusal([&] { JointColumns(names, *robot_).check(state.data()); });
   }
   double at(const std::vector<double>& positions, const char* name) const {
     return positions[robot_->findJoint(name)];
@@ -64,8 +59,8 @@ TEST_F(JointColumnsTest, MoveWhatIsNamedAndWhatFollowsIt) {
 TEST_F(JointColumnsTest, DropALeadingSlash) {
   EXPECT_EQ(JointColumns({"/lead", "slide"}, *robot_).sourceOf(robot_->findJoint("lead")).column,
             0);
-  EXPECT_THAT(refusal({"/lead", "lead"}, {0.0, 0.0}), HasSubstr("is named twice"));
-  EXPECT_THAT(refusal({"//lead"}, {0.0}), HasSubstr("joint '//lead' is not in robot"));
+  EXPECT_THAT(refusalOf({"/lead", "lead"}, {0.0, 0.0}), HasSubstr("is named twice"));
+  EXPECT_THAT(refusalOf({"//lead"}, {0.0}), HasSubstr("joint '//lead' is not in robot"));
 }
 
 TEST_F(JointColumnsTest, LeaveAloneWhatIsNotNamed) {
@@ -82,13 +77,13 @@ TEST_F(JointColumnsTest, LeaveAloneWhatIsNotNamed) {
 }
 
 TEST_F(JointColumnsTest, TakeAMimicThatAgreesWithItsLeaderAndNoOther) {
-  EXPECT_EQ(refusal({"lead", "quarter"}, {2.0, 1.0}), "accepted");
-  EXPECT_EQ(refusal({"lead", "quarter"}, {2.0, 1.0 + 9e-7}), "accepted");
-  EXPECT_THAT(refusal({"lead", "quarter"}, {2.0, 1.1}),
+  EXPECT_EQ(refusalOf({"lead", "quarter"}, {2.0, 1.0}), "accepted");
+  EXPECT_EQ(refusalOf({"lead", "quarter"}, {2.0, 1.0 + 9e-7}), "accepted");
+  EXPECT_THAT(refusalOf({"lead", "quarter"}, {2.0, 1.1}),
               testing::AllOf(HasSubstr("'quarter' is 1.1"), HasSubstr("it must be 1.0")));
-  EXPECT_EQ(refusal({"lead", "quarter"}, {2.0, 1.0 - 9e-7}), "accepted");
-  EXPECT_THAT(refusal({"lead", "quarter"}, {2.0, 0.9}), HasSubstr("'quarter' is 0.9"));
-  EXPECT_THAT(refusal({"quarter"}, {1.0}),
+  EXPECT_EQ(refusalOf({"lead", "quarter"}, {2.0, 1.0 - 9e-7}), "accepted");
+  EXPECT_THAT(refusalOf({"lead", "quarter"}, {2.0, 0.9}), HasSubstr("'quarter' is 0.9"));
+  EXPECT_THAT(refusalOf({"quarter"}, {1.0}),
               HasSubstr("'quarter' mimics 'half'; name that joint instead"));
 }
 
@@ -106,14 +101,14 @@ TEST_F(JointColumnsTest, RefuseAnglesOfWhichTheDigitsDoNotSayWhereInATurnTheyAre
 }
 
 TEST_F(JointColumnsTest, NameTheJointThatIsWrong) {
-  EXPECT_THAT(refusal({"slyde"}, {0.0}),
+  EXPECT_THAT(refusalOf({"slyde"}, {0.0}),
               HasSubstr("joint 'slyde' is not in robot 'test'; did you mean 'slide'?"));
-  EXPECT_THAT(refusal({"slide", "slide"}, {0.0, 0.0}), HasSubstr("'slide' is named twice"));
-  EXPECT_THAT(refusal({"weld"}, {0.0}), HasSubstr("'weld' is fixed, floating or planar"));
-  EXPECT_THAT(refusal({"base"}, {0.0}), HasSubstr("'base' is fixed, floating or planar"));
+  EXPECT_THAT(refusalOf({"slide", "slide"}, {0.0, 0.0}), HasSubstr("'slide' is named twice"));
+  EXPECT_THAT(refusalOf({"weld"}, {0.0}), HasSubstr("'weld' is fixed, floating or planar"));
+  EXPECT_THAT(refusalOf({"base"}, {0.0}), HasSubstr("'base' is fixed, floating or planar"));
   for (const double wrong :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    EXPECT_THAT(refusal({"lead", "slide"}, {0.0, wrong}),
+    EXPECT_THAT(refusalOf({"lead", "slide"}, {0.0, wrong}),
                 HasSubstr("'slide': its position is not"));
   }
 }
@@ -169,5 +164,4 @@ TEST(MissingLeader, IsOneThatIsFixedOrInACycleToo) {
   }
 }
 
-}  // namespace test_joint_columns
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_joint_columns

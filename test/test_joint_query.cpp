@@ -7,9 +7,9 @@
 
 #include "demo_scene.h"
 #include "joint_query.h"
+#include "refusal.h"
 
-namespace collision_pairs {
-namespace test_joint_query {
+namespace collision_pairs::test_joint_query {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
@@ -241,11 +241,8 @@ TEST_F(JointQueryTest, RefusesPositionsThatAreNotOneForEachNameOrNotFinite) {
     EXPECT_THROW(lead.jointPositionsAt(positions), InputError);
   }
   EXPECT_THROW(at("a", lead, {std::nan("")}), InputError);
-  try {
-    lead.jointPositionsAt(two);
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "1 joints are named, but there are 2 positions");
-  }
+  EXPECT_EQ(refusal([&] { lead.jointPositionsAt(two); }),
+            "1 joints are named, but there are 2 positions");
 }
 
 TEST_F(JointQueryTest, GivesThePositionsOfAllJoints) {
@@ -285,5 +282,4 @@ TEST_F(JointQueryTest, DoesNotAskWhereARobotIsOfWhichNothingIsChecked) {
   EXPECT_THAT(query({"lift", "lower"}).unknownBecause(), IsEmpty());
 }
 
-}  // namespace test_joint_query
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_joint_query

@@ -7,8 +7,7 @@
 #include "demo_scene.h"
 #include "joint_sampler.h"
 
-namespace collision_pairs {
-namespace test_joint_sampler {
+namespace collision_pairs::test_joint_sampler {
 
 using testing::ElementsAre;
 
@@ -125,5 +124,4 @@ TEST_F(Sampler, JointsBetweenTwoBodiesAreThoseThatMoveThemWithMimicsLed) {
   EXPECT_THAT(between("e", "g"), ElementsAre());  // floating, and endless
 }
 
-}  // namespace test_joint_sampler
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_joint_sampler

@@ -6,8 +6,7 @@
 #include "joint_states_csv.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_joint_states_csv {
+namespace collision_pairs::test_joint_states_csv {
 
 std::shared_ptr<const RobotModel> robot() {
   const std::string limit = "<limit lower='-3' upper='3'/>";
@@ -146,5 +145,4 @@ TEST(JointLimits, EachJointOutsideIsSaidOnceWithHowOftenAndWhereFirst) {
                           lift + "1 waypoint; it is waypoint 0, where it is 0.500001"));
 }
 
-}  // namespace test_joint_states_csv
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_joint_states_csv

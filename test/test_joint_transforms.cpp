@@ -6,8 +6,7 @@
 #include "joint_transforms.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_joint_transforms {
+namespace collision_pairs::test_joint_transforms {
 
 using testing::ElementsAre;
 using testing::UnorderedElementsAre;
@@ -180,5 +179,4 @@ TEST(JointTransforms, ChainedTheyAreForwardKinematics) {
   }
 }
 
-}  // namespace test_joint_transforms
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_joint_transforms

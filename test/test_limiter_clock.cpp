@@ -4,8 +4,7 @@
 #include "limiter_clock.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_limiter_clock {
+namespace collision_pairs::test_limiter_clock {
 
 TEST(LimiterClock, IsNeverBehindAStampThatWasReceivedIfTheTimeIsSimulated) {
   RandomInputs random;
@@ -124,5 +123,4 @@ TEST(LimiterClock, StandsStillWhileNeitherItNorAStampGoesOn) {
   EXPECT_EQ(clock.standsFor(3.9), 0.0);
 }
 
-}  // namespace test_limiter_clock
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_clock

@@ -13,8 +13,7 @@
 #include "limiter_parameters.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_limiter_input {
+namespace collision_pairs::test_limiter_input {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
@@ -84,15 +83,10 @@ TEST(LimiterParameters, ThatCannotBeUsedAreRefusedByName) {
   EXPECT_THAT(refusalOf("{" + good + ", stop_distanse: 1}"),
               HasSubstr("did you mean 'stop_distance'"));
   EXPECT_THAT(refusalOf("{" + good + ", command_type: Twist}"), HasSubstr("Float64MultiArray"));
-  EXPECT_THAT(refusalOf("{" + good + ", reaction_time: -1}"), HasSubstr("reaction_time"));
-  EXPECT_THAT(refusalOf("{" + good + ", command_timeout: 0}"), HasSubstr("command_timeout"));
-  EXPECT_THAT(refusalOf("{" + good + ", max_joint_state_age: 2}"),
-              HasSubstr("max_joint_state_age"));
   EXPECT_THAT(refusalOf("{" + good + ", retreat_scale: .nan}"), HasSubstr("retreat_scale"));
   EXPECT_THAT(refusalOf("{joints: [a], deceleration: 1}"), HasSubstr("no command"));
   EXPECT_THAT(refusalOf("{command: c, deceleration: 1}"), HasSubstr("no joints"));
   EXPECT_THAT(refusalOf("{command: c, joints: [a]}"), HasSubstr("no deceleration"));
-  EXPECT_THAT(refusalOf("{command: c, joints: [a], deceleration: 0}"), HasSubstr("deceleration"));
   EXPECT_THAT(refusalOf("{command: c, joints: [elbow], deceleration: {elbov: 1}}"),
               HasSubstr("did you mean 'elbow'"));
   EXPECT_THAT(refusalOf("{command: c, joints: [a, b], deceleration: {a: 1}}"), HasSubstr("'b'"));
@@ -111,18 +105,18 @@ TEST(LimiterParameters, AreNumbersWithinTheirRangesEndsIncluded) {
                       {"retreat_scale", 0, 1, true},        {"ramp_up", 0, 1e6, false},
                       {"tracking_tolerance", 0, 10, false}, {"deceleration", 0, 1e6, false}};
   for (const Case& one : all) {
-    const auto isRead = [&](double value) {
+    const auto readAs = [&](double value) {
       YAML::Node yaml = YAML::Load("{command: c, joints: [a], deceleration: 1}");
       std::ostringstream text;
       text << std::setprecision(17) << value;
       yaml[one.name] = text.str();
-      return refusalOf(YAML::Dump(yaml)) == "accepted";
+      return refusalOf(YAML::Dump(yaml));
     };
-    EXPECT_EQ(isRead(one.lowest), one.has_lowest) << one.name;
-    EXPECT_TRUE(isRead(one.lowest + 1e-9)) << one.name;
-    EXPECT_FALSE(isRead(one.lowest - 1e-9)) << one.name;
-    EXPECT_TRUE(isRead(one.highest)) << one.name;
-    EXPECT_FALSE(isRead(one.highest * (1.0 + 1e-9))) << one.name;
+    EXPECT_EQ(readAs(one.lowest) == "accepted", one.has_lowest) << one.name;
+    EXPECT_EQ(readAs(one.lowest + 1e-9), "accepted") << one.name;
+    EXPECT_THAT(readAs(one.lowest - 1e-9), HasSubstr(one.name));
+    EXPECT_EQ(readAs(one.highest), "accepted") << one.name;
+    EXPECT_THAT(readAs(one.highest * (1.0 + 1e-9)), HasSubstr(one.name));
   }
 }
 
@@ -239,5 +233,4 @@ TEST(JointPositions, ThatAreRefusedLeaveNoOlderOnesInForce) {
   EXPECT_EQ(refusal([&] { positions.oldestOf({"a"}, 2.3, 0.1); }), "nobody reports joint 'a'");
 }
 
-}  // namespace test_limiter_input
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_input

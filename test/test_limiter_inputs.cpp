@@ -12,8 +12,7 @@
 #include "monitored_robot.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_limiter_inputs {
+namespace collision_pairs::test_limiter_inputs {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -191,5 +190,4 @@ TEST(LimiterInputs, OfANameThatComesTwiceTheFirstPositionCounts) {
   }
 }
 
-}  // namespace test_limiter_inputs
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_inputs

@@ -12,8 +12,7 @@
 #include "motion_fixtures.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_limiter_law {
+namespace collision_pairs::test_limiter_law {
 
 // m: the robot's positions are exact between two steps, and checked every 4 ms.
 constexpr double SIMULATION_ERROR = 1e-5;
@@ -140,47 +139,6 @@ TEST(LimiterLaw, AnObstacleThatComesFindsTheRobotStandingAtTheStopDistance) {
   }
   EXPECT_GE(nearest, settings.stop_distance - SIMULATION_ERROR);
   EXPECT_GT(passed, 1.0);
-}
-
-/// Says what is near, and remembers what was asked of the last certificate.
-class AskedSurroundings : public Surroundings {
- public:
-  explicit AskedSurroundings(std::vector<NearPair> near) : near_(std::move(near)) {}
-  Certificate certify(const StoppingTube&, const KeptDistances& kept,
-                      const std::vector<NearPair>& nearer) override {
-    kept_ = kept;
-    nearer_ = nearer;
-    return {!nearer.empty(), "", "", ""};
-  }
-  double travel(const StoppingTube&) override { return 1e-4; }
-  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
-  double distance(const std::string&, const std::string&, double) override { return NAN; }
-  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>& pairs,
-                 std::string&) override {
-    pairs = near_;
-    return true;
-  }
-  KeptDistances kept_;
-  std::vector<NearPair> nearer_;
-
- private:
-  std::vector<NearPair> near_;
-};
-
-TEST(LimiterLaw, ARetreatKeepsTheStopDistanceToAllThatIsNotNearerAlready) {
-  AskedSurroundings surroundings({{"hand", "ball", -0.002, 1.0, false},
-                                  {"arm", "ball", 0.006, 1.0, false},
-                                  {"arm", "table", 0.0115, 1.0, false}});
-  LimiterSettings settings;
-  settings.deceleration = {2.0};
-  LimiterLaw law(settings);
-  EXPECT_GT(law.decide({9.0, 9.0, 0.0, {0.1}}, surroundings).scale, 0.0);
-  EXPECT_EQ(surroundings.kept_.others, settings.stop_distance);
-  EXPECT_EQ(surroundings.kept_.links, settings.self_stop_distance);
-  ASSERT_EQ(surroundings.nearer_.size(), 2u);
-  EXPECT_LT(surroundings.nearer_[0].distance, 0.0);  // it touches
-  EXPECT_EQ(surroundings.nearer_[1].second, "ball");
-  EXPECT_DOUBLE_EQ(surroundings.nearer_[1].distance, 0.003);
 }
 
 // Goals at the end of straight paths that keep 3 cm, so that no path leads through stop_distance.
@@ -321,5 +279,4 @@ TEST(LimiterLaw, FromEveryStopSomeCommandMovesTheRobot) {
   }
 }
 
-}  // namespace test_limiter_law
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_law

@@ -8,8 +8,7 @@
 #include "motion_fixtures.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_limiter_links {
+namespace collision_pairs::test_limiter_links {
 
 constexpr KeptDistances ONE_CM = {0.01, 0.01, 0.0};
 
@@ -223,5 +222,4 @@ TEST(LimiterLinks, AreNamedIfTheyAreTooNearInEveryState) {
   }
 }
 
-}  // namespace test_limiter_links
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_links

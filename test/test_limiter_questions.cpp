@@ -7,8 +7,7 @@
 #include "limiter_law.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_limiter_questions {
+namespace collision_pairs::test_limiter_questions {
 
 using testing::DoubleNear;
 using testing::ElementsAre;
@@ -23,7 +22,8 @@ struct Asked : Surroundings {
   double seconds = 0.31, command = 0.1;  // of the path along the command
   std::vector<double> scales, clearances, of_links, growths, retreats, reaches;
   double told_within = 0.0;
-  double kept_scale = 0.0, kept_growth = 0.0;  // of the last retreat
+  double kept_scale = 0.0;  // of the last retreat
+  KeptDistances kept_distances;
   std::vector<NearPair> near, nearer, touching;
   double travelled = 1e-4;
   bool may_retreat = false, leads_apart = true;
@@ -36,7 +36,7 @@ struct Asked : Surroundings {
     if (!kept.empty() || all.others == stop_distance) {  // of a retreat
       nearer = kept;
       kept_scale = scaleOf(tube);
-      kept_growth = all.coming;
+      kept_distances = all;
       return {may_retreat, "", "", ""};
     }
     scales.push_back(scaleOf(tube));
@@ -205,7 +205,22 @@ TEST_F(Questions, ARetreatGivesAwayHalfOfADistanceThatIsTooSmall) {
   settings_.obstacle_speed = 0.5;
   EXPECT_EQ(kept(0.005), 0.0025) << "what comes is let come";
   EXPECT_EQ(kept(0.015), settings_.stop_distance);
-  EXPECT_GT(asked_.kept_growth, 0.1) << "but not by what the command does not lead away from";
+  EXPECT_GT(asked_.kept_distances.coming, 0.1)
+      << "but not by what the command does not lead away from";
+}
+
+TEST_F(Questions, ARetreatKeepsTheStopDistanceToAllThatIsNotNearerAlready) {
+  asked_.may_retreat = true;
+  asked_.near = {{"hand", "ball", -0.002, 1.0, false},
+                 {"arm", "ball", 0.006, 1.0, false},
+                 {"arm", "table", 0.0115, 1.0, false}};
+  EXPECT_GT(LimiterLaw(settings_).decide({9.0, 9.0, 0.0, {0.1}}, asked_).scale, 0.0);
+  EXPECT_EQ(asked_.kept_distances.others, settings_.stop_distance);
+  EXPECT_EQ(asked_.kept_distances.links, settings_.self_stop_distance);
+  ASSERT_EQ(asked_.nearer.size(), 2u);
+  EXPECT_LT(asked_.nearer[0].distance, 0.0);  // it touches
+  EXPECT_EQ(asked_.nearer[1].second, "ball");
+  EXPECT_DOUBLE_EQ(asked_.nearer[1].distance, 0.003);
 }
 
 TEST_F(Questions, OfLinksAreAboutTheirOwnDistance) {
@@ -354,5 +369,4 @@ TEST_F(Questions, ZerosPassWithoutAny) {
   EXPECT_EQ(decision.command, std::vector<double>{0.0});
 }
 
-}  // namespace test_limiter_questions
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_questions

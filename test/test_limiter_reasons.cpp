@@ -7,8 +7,7 @@
 #include "limiter_law.h"
 #include "published_decisions.h"
 
-namespace collision_pairs {
-namespace test_limiter_reasons {
+namespace collision_pairs::test_limiter_reasons {
 
 using testing::EndsWith;
 using testing::StartsWith;
@@ -61,10 +60,12 @@ TEST_F(Reasons, OfAnInputThatCannotBeUsed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refusal({9.0, 9.0, 0.0, {0.1, 0.1}}),
             "the command has 2 numbers, but 1 joints are limited");
+  EXPECT_EQ(refusal({9.0, 9.0, 0.0, {}}), "the command has 0 numbers, but 1 joints are limited");
   settings_.max_joint_state_age = 0.5;
   EXPECT_THAT(refusal({9.0, 8.5, 0.0, {0.1}}), StartsWith("on the stopping path"));
   settings_.max_joint_state_age = 0.25;
   EXPECT_EQ(refusal({9.0, 9.0, 0.0, {nan}}), "the command is not finite");
+  EXPECT_EQ(refusal({9.0, 9.0, 0.0, {HUGE_VAL}}), "the command is not finite");
   EXPECT_EQ(refusal({9.0, 8.5, 0.0, {0.1}}), "the joint state is 0.500000 s old");
   EXPECT_EQ(refusal({9.0, 9.25, 0.0, {0.1}}), "the joint state is of the future");
   EXPECT_EQ(refusal({9.0, 9.0, nan, {0.1}}), "the age of obstacles is not known");
@@ -139,5 +140,4 @@ TEST_F(Reasons, OfAScaleThatIsNotTheWholeAndOfOneThatIs) {
   EXPECT_EQ(published(law, {9.11, 9.11, 0.0, {0.1}}, nothing).reason, "the scale is rising");
 }
 
-}  // namespace test_limiter_reasons
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_reasons

@@ -14,38 +14,48 @@
 #include "published_decisions.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_limiter_retreat {
+namespace collision_pairs::test_limiter_retreat {
+
+/// Tells a robot of one joint to move for so long: a decision each 10 ms, which takes effect as
+/// late as the law expects. Calls visit(position) after each step.
+template <class Visit>
+void drive(const LimiterSettings& settings, CertifiedSurroundings& surroundings, RobotState state,
+           double command, double seconds, const Visit& visit) {
+  constexpr double STEP = 0.001, PERIOD = 0.01;
+  LimiterLaw law(settings);
+  SimulatedJoints joints(state.positions, settings.deceleration);
+  for (double now = 0.0, next = 0.0; now < seconds; now += STEP) {
+    if (now >= next) {
+      next = now + PERIOD;
+      state.positions = joints.positions();
+      surroundings.setState(state);
+      joints.command(now + settings.reaction_time - STEP,
+                     published(law, {now, now, 0.0, {command}}, surroundings).command);
+    }
+    joints.step(now, STEP);
+    visit(joints.positions()[0]);
+  }
+}
 
 /// Metres that the box moves, from a voxel that touches it to another of the same cloud, which
 /// begins at `gap` before it.
 double movedFromContact(double gap, double reaction_time) {
-  constexpr double STEP = 0.001, PERIOD = 0.01, SIZE = 0.01;
+  constexpr double SIZE = 0.01;
   SceneDescription description = described(slidingBox(), {});
   description.clouds.push_back(cloudOf("camera", SIZE, {}));
   CertifiedSurroundings surroundings(CollisionScene::build(description), {"slide_a"},
                                      Fidelity::MESH);
   const int ahead = static_cast<int>(std::lround((0.5 + gap) / SIZE));
   RobotState state;
+  state.positions = {-1e-4};
   state.voxels = {std::make_shared<const OccupiedVoxels>(
       SIZE, std::vector<VoxelCell>{{-51, 0, 0}, {ahead, 0, 0}})};
   LimiterSettings settings;
   settings.deceleration = {2.0};
   settings.reaction_time = reaction_time;
-  LimiterLaw law(settings);
-  SimulatedJoints joints({-1e-4}, settings.deceleration);
-  double next = 0.0, reached = 0.0;
-  for (double now = 0.0; now < 10.0; now += STEP) {
-    if (now >= next) {
-      next = now + PERIOD;
-      state.positions = joints.positions();
-      surroundings.setState(state);
-      joints.command(now + settings.reaction_time - STEP,
-                     published(law, {now, now, 0.0, {1.0}}, surroundings).command);
-    }
-    joints.step(now, STEP);
-    reached = std::max(reached, joints.positions()[0]);
-  }
+  double reached = 0.0;
+  drive(settings, surroundings, state, 1.0, 10.0,
+        [&](double x) { reached = std::max(reached, x); });
   return reached;
 }
 
@@ -65,7 +75,7 @@ TEST(Retreat, FromContactDoesNotEndAtAnotherPartOfTheSameModel) {
 /// near one of its edges, from a state in which this edge is nearest to the floor: it rises, and
 /// the other falls, 50 times as fast.
 double leastGapOfATurningPlate(double gap, double tilt, double reaction_time) {
-  constexpr double STEP = 0.001, PERIOD = 0.01, HALF = 0.01, SHORT = 0.02, LONG = 0.98;
+  constexpr double HALF = 0.01, SHORT = 0.02, LONG = 0.98;
   const auto lowest = [](double angle) {
     return std::min(-SHORT * std::sin(angle), LONG * std::sin(angle)) - HALF * std::cos(angle);
   };
@@ -80,21 +90,11 @@ double leastGapOfATurningPlate(double gap, double tilt, double reaction_time) {
   LimiterSettings settings;
   settings.deceleration = {2.0};
   settings.reaction_time = reaction_time;
-  LimiterLaw law(settings);
-  SimulatedJoints joints({tilt}, settings.deceleration);
-  double least = gap, next = 0.0;
-  for (double now = 0.0; now < 5.0; now += STEP) {
-    if (now >= next) {
-      next = now + PERIOD;
-      RobotState state;
-      state.positions = joints.positions();
-      surroundings.setState(state);
-      joints.command(now + reaction_time - STEP,
-                     published(law, {now, now, 0.0, {-0.5}}, surroundings).command);
-    }
-    joints.step(now, STEP);
-    least = std::min(least, lowest(joints.positions()[0]) - floor);
-  }
+  RobotState state;
+  state.positions = {tilt};
+  double least = gap;
+  drive(settings, surroundings, state, -0.5, 5.0,
+        [&](double angle) { least = std::min(least, lowest(angle) - floor); });
   return least;
 }
 
@@ -119,23 +119,16 @@ TEST(Retreat, FromAnyDistanceMoves) {
         Fidelity::MESH);
     LimiterSettings settings;
     settings.deceleration = {2.0};
-    LimiterLaw law(settings);
-    SimulatedJoints joints({0.0}, settings.deceleration);
-    for (double now = 0.0, next = 0.0; now < 3.0; now += 0.001) {
-      if (now >= next) {
-        next = now + 0.01;
-        RobotState state;
-        state.positions = joints.positions();
-        surroundings.setState(state);
-        joints.command(now + settings.reaction_time - 0.001,
-                       published(law, {now, now, 0.0, {-0.3}}, surroundings).command);
-      }
-      joints.step(now, 0.001);
-      ASSERT_LE(joints.positions()[0], 0.0) << gap;
-    }
-    EXPECT_LT(joints.positions()[0], -0.1) << gap;
+    RobotState state;
+    state.positions = {0.0};
+    double x = 0.0, most = 0.0;
+    drive(settings, surroundings, state, -0.3, 3.0, [&](double position) {
+      x = position;
+      most = std::max(most, position);
+    });
+    EXPECT_EQ(most, 0.0) << gap;
+    EXPECT_LT(x, -0.1) << gap;
   }
 }
 
-}  // namespace test_limiter_retreat
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_retreat

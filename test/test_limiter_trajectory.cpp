@@ -10,8 +10,7 @@
 #include "refusal.h"
 #include "trajectory_command.h"
 
-namespace collision_pairs {
-namespace test_limiter_trajectory {
+namespace collision_pairs::test_limiter_trajectory {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -194,5 +193,4 @@ TEST_F(TrajectoryOfTwo, ThatIsRefusedIsAnsweredByZerosOfTheLimitersJoints) {
   expectZeros({});
 }
 
-}  // namespace test_limiter_trajectory
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_limiter_trajectory

@@ -6,8 +6,7 @@
 #include "random_robot.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_link_group {
+namespace collision_pairs::test_link_group {
 
 using Names = std::set<std::string>;
 
@@ -217,5 +216,4 @@ TEST(LinksMovedBy, ANameInTheGroupThatTheRobotDoesNotHaveIsRefused) {
             "'link_1'?");
 }
 
-}  // namespace test_link_group
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_link_group

@@ -6,8 +6,7 @@
 #include "collision_pairs/mesh_loader.h"
 #include "monitored_robot.h"
 
-namespace collision_pairs {
-namespace test_lost_objects {
+namespace collision_pairs::test_lost_objects {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -46,5 +45,4 @@ TEST(LostObjects, AreAReasonUntilTheyAreCleared) {
   EXPECT_FALSE(monitor.scenes().stored().are_objects_lost);
 }
 
-}  // namespace test_lost_objects
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_lost_objects

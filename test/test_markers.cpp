@@ -7,8 +7,7 @@
 #include "printed.h"
 #include "report_of_boxes.h"
 
-namespace collision_pairs {
-namespace test_markers {
+namespace collision_pairs::test_markers {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
@@ -359,5 +358,4 @@ TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
   }
 }
 
-}  // namespace test_markers
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_markers

@@ -10,8 +10,7 @@
 #include "pairs_kept.h"
 #include "random_case.h"
 
-namespace collision_pairs {
-namespace test_may_ignore {
+namespace collision_pairs::test_may_ignore {
 
 constexpr double FAR = 50.0;  // metres
 
@@ -220,5 +219,4 @@ TEST_F(TwoBoxes, AreIgnoredInLargeBatchesToo) {
   }
 }
 
-}  // namespace test_may_ignore
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_may_ignore

@@ -10,14 +10,13 @@
 #include <gtest/gtest.h>
 
 #include "mesh_files.h"
+#include "mesh_folder.h"
 #include "mesh_process.h"
 #include "random_inputs.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_mesh_files {
+namespace collision_pairs::test_mesh_files {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 using Corners = std::array<std::array<double, 3>, 3>;
@@ -63,19 +62,13 @@ std::string asciiStl() {
 }
 
 std::string binaryStl(const std::string& header = "") {
-  std::string stl = header;
-  stl.resize(80, ' ');
-  const auto append = [&](const auto& value) {
-    stl.append(reinterpret_cast<const char*>(&value), sizeof value);
-  };
-  append(std::uint32_t{4});
+  std::vector<std::array<float, 9>> triangles;
   for (const char* facet : FACETS) {
     std::istringstream numbers(facet);
-    for (int i = 0; i < 3; ++i) append(0.0f);
-    for (float number; numbers >> number;) append(number);
-    append(std::uint16_t{0});
+    triangles.emplace_back();
+    for (float& number : triangles.back()) numbers >> number;
   }
-  return stl;
+  return collision_pairs::binaryStl(triangles, header);
 }
 
 const std::string OBJ =
@@ -274,7 +267,8 @@ TEST(MeshFiles, WhatIsWrongWithAnAsciiStlIsSaidInTheseWords) {
 
 TEST(MeshFiles, ABinaryStlIsToldByItsLengthAndElseByItsFirstWords) {
   const auto expected = sortedTriangles(readStl(binaryStl()));
-  for (const char* header : {"solid by an exporter", "facet"}) {
+  for (const char* header : {"solid by an exporter", "facet", "solid facet endsolid, exported"}) {
+    EXPECT_EQ(sortedTriangles(readStl(binaryStl(header))), expected) << header;
     EXPECT_EQ(sortedTriangles(readStl(binaryStl(header) + "padding")), expected) << header;
   }
   EXPECT_TRUE(readStl(std::string(84, '\0')).triangles.empty());
@@ -380,5 +374,4 @@ TEST(MeshFiles, MeshesOfRealRobotsAreWhatRosReads) {
   EXPECT_GT(nb_files, 50);
 }
 
-}  // namespace test_mesh_files
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_mesh_files

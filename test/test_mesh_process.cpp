@@ -15,28 +15,25 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "mesh_folder.h"
 #include "mesh_process.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_mesh_process {
+namespace collision_pairs::test_mesh_process {
 
-namespace fs = std::filesystem;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-class MeshProcess : public testing::Test {
+class MeshProcess : public MeshFolder {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string file(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name, std::ios::binary) << content;
+    MeshFolder::file(name, content);
     return folder_ / name;
   }
   std::string refusalOf(const std::string& name, const std::string& content) const {
-    return refusal([&] { readMeshInProcess(file(name, content), std::chrono::seconds(1)); });
+    return collision_pairs::refusal(
+        [&] { readMeshInProcess(file(name, content), std::chrono::seconds(1)); });
   }
-  fs::path folder_ = fs::temp_directory_path() / ("mesh_files_" + std::to_string(::getpid()));
 };
 
 std::string ply(const std::string& vertices_and_faces) {
@@ -124,8 +121,9 @@ class ShutFile {
 
 TEST_F(MeshProcess, LeavesNoProcessBehind) {
   const ShutFile mesh(folder_);
-  EXPECT_THAT(refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(1)); }),
-              HasSubstr("did not finish within"));
+  EXPECT_THAT(
+      collision_pairs::refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(1)); }),
+      HasSubstr("did not finish within"));
   EXPECT_EQ(child(), "");
 }
 
@@ -133,7 +131,8 @@ TEST_F(MeshProcess, AnAnswerLongerThanItsLimitIsRefusedAndTheProcessEnded) {
   const std::string whole = file("a.ply", ply(THREE + "3 0 1 2\n"));
   const std::size_t bytes = 1 + 2 * 8 + 3 * 3 * 4 + 3 * 4;
   EXPECT_NO_THROW(readMeshInProcess(whole, std::chrono::seconds(30), bytes));
-  EXPECT_THAT(refusal([&] { readMeshInProcess(whole, std::chrono::seconds(30), bytes - 1); }),
+  EXPECT_THAT(collision_pairs::refusal(
+                  [&] { readMeshInProcess(whole, std::chrono::seconds(30), bytes - 1); }),
               HasSubstr("more than 64 bytes"));
   EXPECT_EQ(child(), "");
 }
@@ -194,7 +193,9 @@ TEST_F(MeshProcess, MayGainNoRightsStartNoProcessAndWriteNoFile) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   });
-  EXPECT_NE(refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(5)); }), "accepted");
+  EXPECT_NE(
+      collision_pairs::refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(5)); }),
+      "accepted");
   look.join();
   ::close(descriptor);
   EXPECT_FALSE(has_inherited);
@@ -212,7 +213,7 @@ TEST_F(MeshProcess, EndsWithTheProgramThatStartedIt) {
   ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // then its reader becomes a child of this
   const pid_t program = ::fork();
   if (program == 0) {
-    refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(20)); });
+    collision_pairs::refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(20)); });
     ::_exit(0);
   }
   const std::string children =
@@ -242,5 +243,4 @@ TEST_F(MeshProcess, EndsWithTheProgramThatStartedIt) {
   EXPECT_TRUE(WIFSIGNALED(status));
 }
 
-}  // namespace test_mesh_process
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_mesh_process

@@ -9,8 +9,7 @@
 #include "surface_contact.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_mesh_query {
+namespace collision_pairs::test_mesh_query {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -272,5 +271,4 @@ TEST(MeshQuery, AConvexMeshIsAnsweredExactlyAsItsHull) {
   }
 }
 
-}  // namespace test_mesh_query
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_mesh_query

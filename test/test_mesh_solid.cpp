@@ -6,8 +6,7 @@
 #include "wall_grid.h"
 #include "winding_number.h"
 
-namespace collision_pairs {
-namespace test_mesh_solid {
+namespace collision_pairs::test_mesh_solid {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -361,5 +360,4 @@ TEST(MeshSolid, ATornSeamStillCountsAsClosedAndAMissingTenthDoesNot) {
   EXPECT_FALSE(holds(ballWithoutItsTop(32), {0.0, 0.1, 0.2}));  // 10 %
 }
 
-}  // namespace test_mesh_solid
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_mesh_solid

@@ -10,8 +10,7 @@
 #include "message_layout.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_message_layout {
+namespace collision_pairs::test_message_layout {
 
 template <class Message>
 std::vector<std::uint8_t> bytesOf(const Message& message) {
@@ -80,5 +79,4 @@ TEST(MessageLayout, ATruncatedMessageAndLengthsThatLieAreRefused) {
   }
 }
 
-}  // namespace test_message_layout
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_message_layout

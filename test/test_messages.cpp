@@ -5,8 +5,7 @@
 #include "printed.h"
 #include "report_of_boxes.h"
 
-namespace collision_pairs {
-namespace test_messages {
+namespace collision_pairs::test_messages {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
@@ -372,5 +371,4 @@ TEST(PoseOfAMessage, IsThePose) {
   EXPECT_FALSE(toIsometry(pose, X_none));
 }
 
-}  // namespace test_messages
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_messages

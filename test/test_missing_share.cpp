@@ -5,8 +5,7 @@
 #include "mesh_variants.h"
 #include "winding_number.h"
 
-namespace collision_pairs {
-namespace test_missing_share {
+namespace collision_pairs::test_missing_share {
 
 using Eigen::Vector3d;
 
@@ -55,5 +54,4 @@ TEST(MissingShare, IsToldOfEveryBallWithAHoleThatDoesNotHoldItsCentre) {
   EXPECT_LT(open, 20);
 }
 
-}  // namespace test_missing_share
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_missing_share

@@ -8,8 +8,7 @@
 #include "monitored_robot.h"
 #include "query_services.h"
 
-namespace collision_pairs {
-namespace test_monitor {
+namespace collision_pairs::test_monitor {
 
 using testing::Contains;
 using testing::ElementsAre;
@@ -375,5 +374,4 @@ TEST(Request, SaysWhatIsOtherThanTheNodesSettings) {
   EXPECT_EQ(settings.time_budget, 0.5);
 }
 
-}  // namespace test_monitor
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_monitor

@@ -8,8 +8,7 @@
 #include "benchmark/demo_motion.h"
 #include "benchmark/motion_scenes.h"
 
-namespace collision_pairs {
-namespace test_motion_certificates {
+namespace collision_pairs::test_motion_certificates {
 
 constexpr double TO_ROUNDING = 1e-7;  // m: beside a distance that was computed at one configuration
 constexpr double MUST_BE_CERTIFIED = 1e-3;  // m
@@ -196,5 +195,4 @@ std::string robotName(const testing::TestParamInfo<int>& robot) {
 
 INSTANTIATE_TEST_SUITE_P(RealRobots, CertificatesOf, testing::Values(0, 1, 2), robotName);
 
-}  // namespace test_motion_certificates
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motion_certificates

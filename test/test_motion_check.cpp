@@ -7,9 +7,9 @@
 #include "collision_pairs/input_error.h"
 #include "motion_fixtures.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
-namespace collision_pairs {
-namespace test_motion_check {
+namespace collision_pairs::test_motion_check {
 
 /// Two bars of 1 m; the second is hinged at the end of the first.
 std::shared_ptr<const RobotModel> foldingArm() {
@@ -230,13 +230,8 @@ TEST(MotionCheck, WhatIsSuspectIsNotFreeAndAContactIsCertainAllTheSame) {
 TEST(MotionCheck, InputThatIsNoneIsRefusedWithTheReason) {
   const auto scene = sceneOf(turningBar(), {boxAt("plate", {0.8, 0.0, 0.0}, {0.2, 0.002, 0.2})});
   const auto message = [&](const std::vector<double>& from, const std::vector<double>& to,
-                           const MotionSettings& settings) -> std::string {
-    try {
-      checked(scene, from, to, settings);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+                           const MotionSettings& settings) {
+    return refusal([&] { checked(scene, from, to, settings); });
   };
   EXPECT_NE(message({0.0}, {NAN_POSITION}, {}).find("'turn'"), std::string::npos);
   EXPECT_NE(message({-1e308}, {1.7e308}, {}).find("'turn'"), std::string::npos);
@@ -378,5 +373,4 @@ TEST(MotionCheck, ThatHasNoTimeLeavesOpenWhatItHasNotCertified) {
   }
 }
 
-}  // namespace test_motion_check
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motion_check

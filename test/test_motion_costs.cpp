@@ -9,8 +9,7 @@
 #include "mixed_robot.h"
 #include "motion_fixtures.h"
 
-namespace collision_pairs {
-namespace test_motion_costs {
+namespace collision_pairs::test_motion_costs {
 
 const std::string SHAPES[] = {"<box size='0.4 0.1 0.2'/>", "<cylinder radius='0.1' length='0.3'/>",
                               "<sphere radius='0.15'/>", "<mesh filename='l'/>"};
@@ -172,5 +171,4 @@ TEST(MotionCosts, AClearanceOfAShareOfTheSizeAndOfTheResolutionCostsOneConfigura
   }
 }
 
-}  // namespace test_motion_costs
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motion_costs

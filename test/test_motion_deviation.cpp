@@ -9,8 +9,7 @@
 #include "random_robot.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_motion_deviation {
+namespace collision_pairs::test_motion_deviation {
 
 double smallestDistance(const std::shared_ptr<const CollisionScene>& scene,
                         const std::vector<double>& q) {
@@ -303,5 +302,4 @@ TEST(OnlyMoved, VoxelsOfAnotherSizeThanTheCloudsAreRefused) {
   }
 }
 
-}  // namespace test_motion_deviation
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motion_deviation

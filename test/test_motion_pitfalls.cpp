@@ -9,8 +9,7 @@
 #include "random_inputs.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_motion_pitfalls {
+namespace collision_pairs::test_motion_pitfalls {
 
 /// The oracle: is any of many states along the motion in contact?
 bool isTouchedIn(const std::shared_ptr<const CollisionScene>& scene, const JointMotion& motion,
@@ -288,5 +287,4 @@ TEST(MotionPitfalls, ElementsOfNoSizeAreCertifiedAtOnceWhateverWasAskedBefore) {
   }
 }
 
-}  // namespace test_motion_pitfalls
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motion_pitfalls

@@ -7,8 +7,7 @@
 #include "motion_state.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_motion_state {
+namespace collision_pairs::test_motion_state {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -351,5 +350,4 @@ TEST(MotionPairs, BesideStaticModelsAreAllThatTheSceneAllows) {
   }
 }
 
-}  // namespace test_motion_state
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motion_state

@@ -11,8 +11,7 @@
 #include "every_shape.h"
 #include "motion_fixtures.h"
 
-namespace collision_pairs {
-namespace test_motions_to_contact {
+namespace collision_pairs::test_motions_to_contact {
 
 using Eigen::Isometry3d;
 
@@ -131,5 +130,4 @@ TEST(MotionsToContact, AreNeverFreeAtAnyFidelity) {
   EXPECT_GT(nb_free, nb_rounds / 20);
 }
 
-}  // namespace test_motions_to_contact
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_motions_to_contact

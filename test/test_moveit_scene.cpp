@@ -12,8 +12,7 @@
 #include "moveit_shapes.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_moveit_scene {
+namespace collision_pairs::test_moveit_scene {
 
 using Eigen::Isometry3d;
 using Eigen::Translation3d;
@@ -375,5 +374,4 @@ TEST_F(AScene, SelectsWhatIsActive) {
   }
 }
 
-}  // namespace test_moveit_scene
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_moveit_scene

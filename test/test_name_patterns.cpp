@@ -3,8 +3,7 @@
 
 #include "collision_pairs/scene_settings.h"
 
-namespace collision_pairs {
-namespace test_name_patterns {
+namespace collision_pairs::test_name_patterns {
 
 TEST(NamePatterns, AreThoseOfTheShell) {
   EXPECT_TRUE(matches("left_*", "left_elbow"));
@@ -24,5 +23,4 @@ TEST(NamePatterns, MeanTheNameThatTheyAreToo) {
   EXPECT_FALSE(matches("a\\b", "ab"));
 }
 
-}  // namespace test_name_patterns
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_name_patterns

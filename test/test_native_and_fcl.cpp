@@ -11,8 +11,7 @@
 #include "mixed_robot.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_native_and_fcl {
+namespace collision_pairs::test_native_and_fcl {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -278,5 +277,4 @@ TEST(NativeAndFcl, AWholeCheckFindsTheSameAtEveryRungAndForTheVerdictOnly) {
   EXPECT_GT(natively, 0u);
 }
 
-}  // namespace test_native_and_fcl
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_native_and_fcl

@@ -11,8 +11,7 @@
 #include "random_robot.h"
 #include "text_files.h"
 
-namespace collision_pairs {
-namespace test_near_contact {
+namespace collision_pairs::test_near_contact {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -219,5 +218,4 @@ TEST(NearContact, OfRealRobotsIsTheSameInEveryWay) {
   sum.print();
 }
 
-}  // namespace test_near_contact
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_near_contact

@@ -6,8 +6,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "random_case.h"
 
-namespace collision_pairs {
-namespace test_nearest_pair {
+namespace collision_pairs::test_nearest_pair {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -264,5 +263,4 @@ TEST(TheNearestPair, OfACloudThatWasNotReachedInTimeIsNeitherNamedNorPassedOver)
   EXPECT_LT(nb_spent, 29);
 }
 
-}  // namespace test_nearest_pair
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_nearest_pair

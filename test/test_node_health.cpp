@@ -10,8 +10,7 @@
 #include "printed.h"
 #include "thread_priority.h"
 
-namespace collision_pairs {
-namespace test_node_health {
+namespace collision_pairs::test_node_health {
 
 using diagnostic_msgs::DiagnosticStatus;
 using testing::HasSubstr;
@@ -218,5 +217,4 @@ TEST(NodeHealth, SaysAllThatItKnows) {
   EXPECT_EQ(status.message.substr(0, 50), "not checking: why; /robot_description has changed;");
 }
 
-}  // namespace test_node_health
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_node_health

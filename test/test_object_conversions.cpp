@@ -8,10 +8,10 @@
 #include "object_conversions.h"
 #include "object_messages.h"
 #include "random_inputs.h"
+#include "refusal.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_object_conversions {
+namespace collision_pairs::test_object_conversions {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -19,13 +19,8 @@ using shape_msgs::SolidPrimitive;
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string refusal(const SceneObject& object) {
-  try {
-    toObject(object, noMeshLoader());
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string refusalOf(const SceneObject& object) {
+  return refusal([&] { toObject(object, noMeshLoader()); });
 }
 
 TEST(ObjectOfAMessage, HasItsShapesWhereTheyAre) {
@@ -141,7 +136,7 @@ TEST(ObjectOfAMessage, WhatIsWrongIsNamed) {
   const auto with = [](const auto& spoil) {
     SceneObject object = boxObject("thing", poseAt(0, 0, 0));
     spoil(object);
-    return refusal(object);
+    return refusalOf(object);
   };
   EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].dimensions.pop_back(); }),
               AllOf(HasSubstr("primitives[0]"), HasSubstr("2 dimensions, but needs 3: x, y, z")));
@@ -168,18 +163,18 @@ TEST(ObjectOfAMessage, WhatAShapeNeedsIsSaid) {
   for (const auto& [type, shape, needs] : all) {
     SceneObject message = boxObject("thing", poseAt(0, 0, 0));
     message.primitives.push_back(primitive(static_cast<std::uint8_t>(type), {1, 2, 3, 4}));
-    EXPECT_EQ(refusal(message),
+    EXPECT_EQ(refusalOf(message),
               "primitives[1]: " + shape + " has 4 dimensions, but needs " + needs);
   }
   for (const auto& sizes : {std::vector<double>{-0.1, 1.0}, {1.0, -0.1}, {std::nan(""), 1.0}}) {
     SceneObject message;
     message.primitives = {primitive(SolidPrimitive::CONE, sizes)};
-    EXPECT_EQ(refusal(message), "primitives[0]: a cone's size is negative or not finite");
+    EXPECT_EQ(refusalOf(message), "primitives[0]: a cone's size is negative or not finite");
   }
   for (const auto& sizes : {std::vector<double>{0.0, 1.0}, {1.0, 0.0}}) {
     SceneObject message;
     message.primitives = {primitive(SolidPrimitive::CONE, sizes)};
-    EXPECT_EQ(refusal(message).find("negative"), std::string::npos);
+    EXPECT_EQ(refusalOf(message).find("negative"), std::string::npos);
   }
   for (const double spoilt : {0.0, HUGE_VAL}) {
     for (int i = 0; i < 4; ++i) {
@@ -189,7 +184,7 @@ TEST(ObjectOfAMessage, WhatAShapeNeedsIsSaid) {
       message.planes[0].coef[3 - i] = 1.0;
       message.planes[0].coef[i] = spoilt;
       const bool is_plane = spoilt == 0.0 && i > 0;
-      EXPECT_EQ(refusal(message) == "accepted", is_plane) << spoilt << ' ' << i;
+      EXPECT_EQ(refusalOf(message) == "accepted", is_plane) << spoilt << ' ' << i;
     }
   }
 }
@@ -213,5 +208,4 @@ TEST(ObjectOfAMessage, HasItsNameItsLinkAndTheFilesOfItsMeshes) {
   EXPECT_EQ(std::vector<std::string>(message.mesh_resources), uris);
 }
 
-}  // namespace test_object_conversions
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_object_conversions

@@ -8,8 +8,7 @@
 #include "collision_pairs/occupied_voxels.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_octree_clouds {
+namespace collision_pairs::test_octree_clouds {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -83,5 +82,4 @@ TEST(OctreeClouds, OfTwoSizesInAnyPoseAreWhatTheirBoxesAreInTheWorld) {
   EXPECT_GT(nb_pairs, 200u);
 }
 
-}  // namespace test_octree_clouds
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_octree_clouds

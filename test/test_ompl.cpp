@@ -16,8 +16,7 @@
 #include "random_inputs.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_ompl {
+namespace collision_pairs::test_ompl {
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
@@ -411,5 +410,4 @@ TEST_F(Ompl, APlannerFindsAPathThatNoSampleContradicts) {
   for (const ob::State* at : path.getStates()) ASSERT_TRUE(states_->isValid(at));
 }
 
-}  // namespace test_ompl
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_ompl

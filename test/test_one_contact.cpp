@@ -9,8 +9,7 @@
 #include "every_shape.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_one_contact {
+namespace collision_pairs::test_one_contact {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -276,5 +275,4 @@ TEST(OneContact, OfBoxesThatAreApartByADigitIsTheSameForVerdictAndReport) {
 INSTANTIATE_TEST_SUITE_P(Native, OneContactBy, testing::Values(NarrowPhaseMethod::NATIVE));
 INSTANTIATE_TEST_SUITE_P(Fcl, OneContactBy, testing::Values(NarrowPhaseMethod::FCL));
 
-}  // namespace test_one_contact
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_one_contact

@@ -6,8 +6,7 @@
 #include "open_intervals.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_open_intervals {
+namespace collision_pairs::test_open_intervals {
 
 /// What was put into an interval, by the ids of its pairs.
 struct Plain {
@@ -92,5 +91,4 @@ TEST(OpenIntervals, ReturnTheOneWithMostMotionAndOfThoseTheFirstWithAllOfItsPair
   }
 }
 
-}  // namespace test_open_intervals
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_open_intervals

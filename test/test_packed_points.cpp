@@ -3,8 +3,7 @@
 #include "packed_points.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_packed_points {
+namespace collision_pairs::test_packed_points {
 
 using Eigen::Vector3d;
 
@@ -68,5 +67,4 @@ TEST(PackedPoints, ExtentIsThatOfThePointsOneByOne) {
   }
 }
 
-}  // namespace test_packed_points
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_packed_points

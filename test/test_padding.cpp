@@ -7,8 +7,7 @@
 #include "mixed_robot.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_padding {
+namespace collision_pairs::test_padding {
 
 using testing::HasSubstr;
 
@@ -136,29 +135,6 @@ TEST_F(Padding, OfAPairIsTheSameInEitherOrder) {
   }
 }
 
-TEST_F(Padding, KeepsEveryCheaperRungASafeBound) {
-  SceneDescription padded = mixedDescription();
-  padded.settings.padding = 0.03;
-  padded.settings.pair_padding = {{"a", "*", 0.01}, {"d", "*", 0.1}};
-  for (int round = 0; round < 20; ++round) {
-    const BodyPoses poses = randomPoses(padded);
-    const auto expectBounds = [](const Distances& cheaper, const Distances& dearer) {
-      for (const auto& [names, pair] : dearer) {
-        ASSERT_EQ(cheaper.count(names), 1u) << names.first << "|" << names.second;
-        if (pair.certainty != Certainty::EXACT && pair.distance < 0.0) continue;  // a depth's bound
-        EXPECT_LE(cheaper.at(names).distance, pair.distance + 1e-9);
-      }
-    };
-    Distances dearer = check(padded, poses, 0.05, Fidelity::MESH);
-    if (round < 2) expectBounds(check(padded, poses, 0.05, Fidelity::SPHERES), dearer);
-    for (const Fidelity fidelity : {Fidelity::CONVEX, Fidelity::OBB, Fidelity::AABB}) {
-      const Distances cheaper = check(padded, poses, 0.05, fidelity);
-      expectBounds(cheaper, dearer);
-      dearer = cheaper;
-    }
-  }
-}
-
 // A verdict ends early where a report goes on to the boxes along the elements' axes.
 TEST_F(Padding, MakesAPairAContactForTheVerdictWhereItDoesForTheReportAtEveryRung) {
   int nb_contacts = 0, nb_free = 0;
@@ -193,35 +169,6 @@ TEST_F(Padding, MakesAPairAContactForTheVerdictWhereItDoesForTheReportAtEveryRun
   }
   EXPECT_GT(nb_contacts, 1000);
   EXPECT_GT(nb_free, 1000);
-}
-
-TEST_F(Padding, IsInVerdictsMinimaAndBoundsInTime) {
-  SceneDescription padded = mixedDescription();
-  padded.settings.padding = 0.02;
-  const auto scene = CollisionScene::build(padded);
-  CollisionDetector detector(scene);
-  for (int round = 0; round < 40; ++round) {
-    BodyPoses poses;
-    poses.resize(scene->bodies().size());
-    throwAbout(random_, 2.5, poses);
-    CheckSettings settings;
-    settings.alarm_distance = 10.0;
-    const CollisionReport all = detector.detect(poses, settings);
-    settings.alarm_distance = 0.0;
-    settings.min_distance = true;
-    EXPECT_NEAR(detector.detect(poses, settings).min_distance, all.min_distance, 1e-9);
-    settings.min_distance = false;
-    settings.verdict_only = true;
-    EXPECT_EQ(detector.detect(poses, settings).in_collision, all.in_collision);
-    settings.verdict_only = false;
-    settings.alarm_distance = 10.0;
-    settings.time_budget = 1e-9;
-    const CollisionReport hurried = detector.detect(poses, settings);
-    ASSERT_EQ(hurried.pairs.size(), all.pairs.size());
-    for (std::size_t i = 0; i < all.pairs.size(); ++i) {
-      EXPECT_LE(hurried.pairs[i].distance, all.pairs[i].distance + 1e-9);
-    }
-  }
 }
 
 std::string refusalOf(const SceneDescription& description) {
@@ -286,5 +233,4 @@ TEST(CylinderAsCapsule, EnclosesTheCylinderAndIsForTheNamedLinksOnly) {
   EXPECT_TRUE(std::holds_alternative<Cylinder>(shapeOf("j")));
 }
 
-}  // namespace test_padding
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_padding

@@ -9,8 +9,7 @@
 #include "random_inputs.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_pair_certifier {
+namespace collision_pairs::test_pair_certifier {
 
 using Outcome = PairCertifier::Outcome;
 
@@ -150,5 +149,4 @@ TEST(PairCertifier, IsNoWiderThanThePairIsFreeAtAlignedBoxes) {
   expectTrueIntervals(Fidelity::AABB, 600);
 }
 
-}  // namespace test_pair_certifier
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_certifier

@@ -5,8 +5,7 @@
 #include "collision_pairs/pair_filter.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_pair_filter {
+namespace collision_pairs::test_pair_filter {
 
 TEST(PairFilter, SaysWhatASetOfPairsSays) {
   RandomInputs random;
@@ -36,5 +35,4 @@ TEST(PairFilter, ModelsOfOneClassAreTreatedAlike) {
   EXPECT_EQ(filter.nbClasses(), 2u);
 }
 
-}  // namespace test_pair_filter
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_filter

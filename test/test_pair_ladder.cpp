@@ -10,8 +10,7 @@
 #include "prepared_shape.h"
 #include "scene_element.h"
 
-namespace collision_pairs {
-namespace test_pair_ladder {
+namespace collision_pairs::test_pair_ladder {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -319,5 +318,4 @@ TEST(PairLadder, HullsReachAsFarAsTheirVerticesAndAreApartByNearlyTheirDistance)
   EXPECT_GT(nb_apart, 100);
 }
 
-}  // namespace test_pair_ladder
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_ladder

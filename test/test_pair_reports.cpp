@@ -9,8 +9,7 @@
 #include "found_pairs.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_pair_reports {
+namespace collision_pairs::test_pair_reports {
 
 CheckSettings alarm(double distance) {
   CheckSettings settings;
@@ -290,5 +289,4 @@ TEST(TinySpheres, ExactlyAtTheAlarmDistanceAreFoundHoweverTheyAreTurned) {
   }
 }
 
-}  // namespace test_pair_reports
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_reports

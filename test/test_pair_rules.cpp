@@ -5,8 +5,7 @@
 #include "arm_scene.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_pair_rules {
+namespace collision_pairs::test_pair_rules {
 
 using testing::HasSubstr;
 using Verdict = PairRule::Verdict;
@@ -355,5 +354,4 @@ TEST(PairRules, AllTogetherAreAsTheyReadPairByPair) {
   EXPECT_LT(nb_allowed, nb_pairs * 9 / 10);
 }
 
-}  // namespace test_pair_rules
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_rules

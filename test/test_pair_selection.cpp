@@ -9,8 +9,7 @@
 #include "random_case.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_pair_selection {
+namespace collision_pairs::test_pair_selection {
 
 using testing::HasSubstr;
 using Among = PairSelection::Among;
@@ -185,5 +184,4 @@ TEST(ASelection, LeavesOutACloudThatIsUnknownOnlyIfItUsesIt) {
   EXPECT_EQ(detector.detect(poses, settings).verdict, Verdict::UNKNOWN);
 }
 
-}  // namespace test_pair_selection
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_selection

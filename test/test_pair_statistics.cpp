@@ -10,8 +10,7 @@
 #include "pair_statistics.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_pair_statistics {
+namespace collision_pairs::test_pair_statistics {
 
 std::shared_ptr<const CollisionScene> everyPairOf(const std::shared_ptr<const RobotModel>& robot) {
   return CollisionScene::build(robot, Srdf{}, nullptr);
@@ -367,5 +366,4 @@ TEST(Search, NumberOfThreadsMakesNoDifference) {
   EXPECT_EQ(searchedPair(cranks(2.1), 10, 1).nearest, searchedPair(cranks(2.1), 10, 2).nearest);
 }
 
-}  // namespace test_pair_statistics
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pair_statistics

@@ -9,8 +9,7 @@
 #include "parameters.h"
 #include "scene_config.h"
 
-namespace collision_pairs {
-namespace test_parameters {
+namespace collision_pairs::test_parameters {
 
 std::map<std::string, std::string> yamlDefaults() {
   std::map<std::string, std::string> values;
@@ -85,5 +84,4 @@ TEST(Defaults, OfDynamicReconfigureAreThoseOfTheCode) {
   EXPECT_EQ(config.show_only_investigated_boxes, code.show_only_investigated_boxes);
 }
 
-}  // namespace test_parameters
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_parameters

@@ -12,8 +12,7 @@
 #include "random_inputs.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_pcd_file {
+namespace collision_pairs::test_pcd_file {
 
 using Eigen::Vector3d;
 
@@ -298,5 +297,4 @@ TEST(PcdFile, NoByteOfCompressedDataBecomesMoreThan88) {
               testing::HasSubstr("too short for what they claim"));
 }
 
-}  // namespace test_pcd_file
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_pcd_file

@@ -10,8 +10,7 @@
 #include "random_inputs.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_ply_file {
+namespace collision_pairs::test_ply_file {
 
 using testing::HasSubstr;
 
@@ -264,5 +263,4 @@ TEST(PlyFile, CountsThatNoFileCanHoldTakeNeitherTimeNorMemory) {
   EXPECT_THAT(refusal([&] { readPly(empty); }), HasSubstr("element 'edge' has no properties"));
 }
 
-}  // namespace test_ply_file
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_ply_file

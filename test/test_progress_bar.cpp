@@ -5,8 +5,7 @@
 
 #include "progress_bar.h"
 
-namespace collision_pairs {
-namespace test_progress_bar {
+namespace collision_pairs::test_progress_bar {
 
 using std::chrono::milliseconds;
 using testing::internal::CaptureStderr;
@@ -45,5 +44,4 @@ TEST(ProgressBar, NoWorkIsNotDividedBy) {
   EXPECT_EQ(GetCapturedStderr(), "");
 }
 
-}  // namespace test_progress_bar
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_progress_bar

@@ -57,7 +57,8 @@ def test_shapes_are_where_and_as_large_as_their_arguments_say():
     faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
     uri = "file://" + DEMO + "/meshes/arch.obj"  # 0.36 x 0.06 x 0.34 m on its origin
     below = {"box": (cp.Box([0.2, 0.4, 0.6]), (0.1, 0.2, 0.3)), "cylinder": (cp.Cylinder(0.1, 0.8), (0.1, 0.1, 0.4)),
-             "capsule": (cp.Capsule(0.1, 0.8), (0.1, 0.1, 0.5)), "sphere": (cp.Sphere(0.7), (0.7, 0.7, 0.7)),
+             "capsule": (cp.Capsule(0.1, 0.8), (0.1, 0.1, 0.5)), "by name": (cp.Capsule(length=0.6, radius=0.2), (0.2, 0.2, 0.5)),
+             "sphere": (cp.Sphere(0.7), (0.7, 0.7, 0.7)),
              "convex": (cp.Convex(tetrahedron), (1, 2, 3)), "mesh": (cp.Mesh(tetrahedron, faces), (1, 2, 3)),
              "file": (cp.Mesh.from_uri(uri), (0.18, 0.03, 0)), "scaled": (cp.Mesh.from_uri(uri, [2, 3, -4]), (0.36, 0.09, 1.36))}
     for name, (shape, reach) in below.items():

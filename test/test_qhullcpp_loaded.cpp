@@ -9,8 +9,7 @@
 #include "convex_hull.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_qhullcpp_loaded {
+namespace collision_pairs::test_qhullcpp_loaded {
 
 std::vector<Eigen::Vector3d> cube() {
   std::vector<Eigen::Vector3d> corners;
@@ -62,5 +61,4 @@ TEST(QhullcppLoaded, NoInputEndsTheProcess) {
   }
 }
 
-}  // namespace test_qhullcpp_loaded
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_qhullcpp_loaded

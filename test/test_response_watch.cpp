@@ -15,8 +15,7 @@
 #include "random_inputs.h"
 #include "response_watch.h"
 
-namespace collision_pairs {
-namespace test_response_watch {
+namespace collision_pairs::test_response_watch {
 
 constexpr double STEP = 0.001;         // s
 constexpr double NOISE = 0.001;        // rad
@@ -367,5 +366,4 @@ TEST(ResponseWatch, DoesNotCompareWhatIsOlderNotFiniteOrOfAnotherTime) {
   EXPECT_NE(watch.fault(2.5), "");
 }
 
-}  // namespace test_response_watch
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_response_watch

@@ -4,8 +4,7 @@
 
 #include "robot_frames.h"
 
-namespace collision_pairs {
-namespace test_robot_frames {
+namespace collision_pairs::test_robot_frames {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
@@ -52,5 +51,4 @@ TEST(RobotFrames, PrefixesThatWouldFitAreFoundInFramesAndTopics) {
   EXPECT_THAT(possiblePrefixes(bag, LINKS), ElementsAre("cell/left", "far", "near", "right"));
 }
 
-}  // namespace test_robot_frames
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_robot_frames

@@ -6,9 +6,9 @@
 #include "collision_pairs/robot_model.h"
 #include "mixed_robot.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
-namespace collision_pairs {
-namespace test_robot_model {
+namespace collision_pairs::test_robot_model {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
@@ -250,13 +250,12 @@ TEST(RobotModel, AChainOfTenThousandLinksIsRead) {
 TEST(RobotModel, PlacedAtWhatIsNoPoseIsRefused) {
   const auto robot = robotFrom(boxLink("a", 1));
   const auto expectRefused = [&](const Eigen::Isometry3d& X_WR) {
-    try {
-      RobotModel::merge({{robot, "", Eigen::Isometry3d::Identity()}, {robot, "two", X_WR}});
-      ADD_FAILURE() << X_WR.matrix();
-    } catch (const InputError& error) {
-      EXPECT_EQ(error.what(), "robot '" + robot->name() +
-                                  "': X_WR is not a rotation and a translation in finite numbers");
-    }
+    const std::vector<RobotModel::Placed> two = {{robot, "", Eigen::Isometry3d::Identity()},
+                                                 {robot, "two", X_WR}};
+    EXPECT_EQ(
+        refusal([&] { RobotModel::merge(two); }),
+        "robot '" + robot->name() + "': X_WR is not a rotation and a translation in finite numbers")
+        << X_WR.matrix();
   };
   RandomInputs random;
   for (int i = 0; i < 100; ++i) {
@@ -268,5 +267,4 @@ TEST(RobotModel, PlacedAtWhatIsNoPoseIsRefused) {
   }
 }
 
-}  // namespace test_robot_model
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_robot_model

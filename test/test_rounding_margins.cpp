@@ -10,8 +10,7 @@
 #include "test_shapes.h"
 #include "triangle_tree.h"
 
-namespace collision_pairs {
-namespace test_rounding_margins {
+namespace collision_pairs::test_rounding_margins {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -211,5 +210,4 @@ TEST(RoundingMargins, SlabsAreNoFurtherApartThanTheCorners) {
   EXPECT_GT(nb_apart, 100);
 }
 
-}  // namespace test_rounding_margins
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_rounding_margins

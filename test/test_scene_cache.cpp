@@ -7,8 +7,7 @@
 #include "demo_scene.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_scene_cache {
+namespace collision_pairs::test_scene_cache {
 
 RigidObject ball(const std::string& name) {
   RigidObject object;
@@ -130,5 +129,4 @@ TEST_F(SharedMeshes, ServeAllThreads) {
   }
 }
 
-}  // namespace test_scene_cache
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_cache

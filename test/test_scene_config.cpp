@@ -9,8 +9,7 @@
 #include "scene_config.h"
 #include "yaml_values.h"
 
-namespace collision_pairs {
-namespace test_scene_config {
+namespace collision_pairs::test_scene_config {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -241,12 +240,7 @@ TEST(SceneSettingsMap, HasTheLimitsOfPosesAndSaysWhatOnlyTheNodeFollows) {
   EXPECT_EQ(given.clock_tolerance, 0.0);
   EXPECT_EQ(defaults.max_pose_age, PoseLimits().max_pose_age);
   const auto refused = [&](const std::string& yaml) {
-    try {
-      read(yaml);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
+    return collision_pairs::refusal([&] { read(yaml); });
   };
   for (const std::string key : {"max_pose_age", "max_transform_age", "clock_tolerance"}) {
     EXPECT_EQ(refused(key + ": 0"), "accepted");
@@ -292,15 +286,10 @@ TEST(SceneSettingsMap, NoWordThatIsNotKnownIsSkippedAnywhere) {
       "pair_rules: [{allow: [a, b]}, {deny: [b, c]}], floor: {height: 0, touch_links: [a]}, "
       "clouds: [{topic: points, voxel_size: 0.02, max_range: 2, box: [0, 0, 0, 1, 1, 1]}], "
       "ignored_links: [x], max_pose_age: 1, fidelity: mesh, rate: 50, group: arm, links: [a]}";
-  const auto refusal = [](const YAML::Node& map) {
-    try {
-      readSceneSettings(map, "x.yaml");
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
+  const auto refused = [](const YAML::Node& map) {
+    return collision_pairs::refusal([&] { readSceneSettings(map, "x.yaml"); });
   };
-  ASSERT_EQ(refusal(YAML::Load(whole)), "accepted");
+  ASSERT_EQ(refused(YAML::Load(whole)), "accepted");
   std::size_t nb_tried = 0;
   std::size_t nb_maps = 0;
   YAML::Node first = YAML::Load(whole);
@@ -327,7 +316,7 @@ TEST(SceneSettingsMap, NoWordThatIsNotKnownIsSkippedAnywhere) {
       });
       if (wrong.empty()) continue;
       ++nb_tried;
-      EXPECT_THAT(refusal(root), testing::HasSubstr(wrong)) << root;
+      EXPECT_THAT(refused(root), testing::HasSubstr(wrong)) << root;
     }
   }
   EXPECT_GT(nb_tried, 25u);
@@ -347,12 +336,7 @@ class ConfigFile : public testing::Test {
  protected:
   std::string refusalOf(const std::string& yaml) {
     std::ofstream(path_) << yaml;
-    try {
-      readSceneConfigFile(path_);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return collision_pairs::refusal([&] { readSceneConfigFile(path_); });
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
@@ -377,5 +361,4 @@ TEST_F(ConfigFile, OfTheNodeIsAsTheNodeHasIt) {
   EXPECT_FALSE(config.floor);
 }
 
-}  // namespace test_scene_config
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_config

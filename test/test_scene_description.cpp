@@ -9,8 +9,7 @@
 #include "mixed_robot.h"
 #include "refusal.h"
 
-namespace collision_pairs {
-namespace test_scene_description {
+namespace collision_pairs::test_scene_description {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -391,5 +390,4 @@ TEST(SeveralRobots, OfOneNameAreRefused) {
   EXPECT_THAT(refusalOf(description), HasSubstr("give each a different prefix"));
 }
 
-}  // namespace test_scene_description
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_description

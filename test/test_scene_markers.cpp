@@ -15,8 +15,7 @@
 #include "sphere_cover.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_scene_markers {
+namespace collision_pairs::test_scene_markers {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -394,5 +393,4 @@ TEST(SceneMarkers, ShowALinkAsCoarselyAsItIsCompared) {
   for (const Marker& marker : markers) EXPECT_EQ(marker.type, Marker::CUBE) << marker.ns;
 }
 
-}  // namespace test_scene_markers
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_markers

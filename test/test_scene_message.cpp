@@ -15,8 +15,7 @@
 #include "scene_message.h"
 #include "yaml_values.h"
 
-namespace collision_pairs {
-namespace test_scene_message {
+namespace collision_pairs::test_scene_message {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -396,5 +395,4 @@ TEST_F(TheMessage, WithoutAnyOfItsPartsIsAnotherScene) {
   }
 }
 
-}  // namespace test_scene_message
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_message

@@ -4,19 +4,9 @@ import io
 import os
 
 import pytest
-from conftest import DEMO, PROJECT
+from conftest import PROJECT, SRDF, URDF
 
-URDF = os.path.join(DEMO, "demo_robot.urdf")
-SRDF = os.path.join(DEMO, "demo_robot.srdf")
 SHIPPED = os.path.join(PROJECT, "config/collision_pairs_node.yaml")
-
-
-@pytest.fixture
-def states(tmp_path):
-    path = tmp_path / "states.csv"
-    path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n"
-                    "0,-0.3,1.2,0.9,0\n0.3,1.1,0.6,-0.1,1.35\n")
-    return path
 
 
 @pytest.fixture

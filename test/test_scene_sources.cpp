@@ -6,8 +6,7 @@
 #include "mixed_robot.h"
 #include "scene_sources.h"
 
-namespace collision_pairs {
-namespace test_scene_sources {
+namespace collision_pairs::test_scene_sources {
 
 class CountingLoader {
  public:
@@ -152,5 +151,4 @@ TEST(SceneSources, AnSrdfOfAnotherRobotIsSaid) {
   EXPECT_EQ(said, (std::vector<std::string>{"a.srdf" + what, "b.srdf" + what}));
 }
 
-}  // namespace test_scene_sources
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_sources

@@ -5,10 +5,10 @@
 #include "object_messages.h"
 #include "printed.h"
 #include "random_inputs.h"
+#include "refusal.h"
 #include "scene_updates.h"
 
-namespace collision_pairs {
-namespace test_scene_updates {
+namespace collision_pairs::test_scene_updates {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -25,10 +25,14 @@ class Changes : public testing::Test {
     context_.look_up = [this](const std::string& target, const std::string& source,
                               const ros::Time& stamp) -> Isometry3d {
       asked_stamp_ = stamp;
-      if (target == "world" && source == "hand") return X_WH_;
-      if (target == "hand" && source == "world") return X_WH_.inverse();
-      throw InputError("TF does not know '" + source + "'");
+      return poseOf(target).inverse() * poseOf(source);
     };
+  }
+  Isometry3d poseOf(const std::string& frame) const {
+    if (frame == "world") return Isometry3d::Identity();
+    if (frame == "hand") return X_WH_;
+    if (frame == "other_hand") return X_WO_;
+    throw InputError("TF does not know '" + frame + "'");
   }
 
   void apply(std::uint8_t operation, const SceneObject& object) {
@@ -44,17 +48,12 @@ class Changes : public testing::Test {
   }
 
   std::string refusalOf(std::uint8_t operation, const SceneObject& object) {
-    try {
-      apply(operation, object);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return refusal([&] { apply(operation, object); });
   }
 
   const RigidObject& stored(const std::string& name) { return objects_.at(name).object; }
 
-  Isometry3d X_WH_ = Isometry3d::Identity();
+  Isometry3d X_WH_ = Isometry3d::Identity(), X_WO_ = X_WH_;
   ros::Time asked_stamp_;
   UpdateContext context_;
   SceneObjects objects_;
@@ -138,9 +137,14 @@ TEST_F(Changes, AttachAndDetachLeaveItWhereItIs) {
   EXPECT_EQ(stored("crate").touch_links, grip.touch_links);
   EXPECT_TRUE((X_WH_ * stored("crate").X_PO).translation().isApprox(Vector3d(3, 1, 0)));
   X_WH_.translation().x() = 5.0;  // it moves along
+  grip.attached_link = "other_hand";
+  apply(SceneChange::ATTACH, grip);
+  EXPECT_EQ(stored("crate").attached_link, "other_hand");
+  EXPECT_TRUE((X_WO_ * stored("crate").X_PO).translation().isApprox(Vector3d(7, 1, 0)));
+  X_WO_.translation().y() = 4.0;
   apply(SceneChange::DETACH, grip);
   EXPECT_EQ(stored("crate").attached_link, "");
-  EXPECT_TRUE(stored("crate").X_PO.translation().isApprox(Vector3d(7, 1, 0)));
+  EXPECT_TRUE(stored("crate").X_PO.translation().isApprox(Vector3d(7, 5, 0)));
 }
 
 TEST_F(Changes, WhatMayTouchItEndsWhenItIsDetached) {
@@ -247,13 +251,8 @@ TEST_F(Changes, OfOneRequestSeeThoseBeforeThem) {
     made.object = object;
     return made;
   };
-  const auto why = [&](const std::vector<SceneChange>& changes) -> std::string {
-    try {
-      editsBy(changes);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+  const auto why = [&](const std::vector<SceneChange>& changes) {
+    return refusal([&] { editsBy(changes); });
   };
   const SceneChange add = change(SceneChange::ADD, boxObject("new", poseAt(1, 0, 0))),
                     move = change(SceneChange::MOVE, boxObject("new", poseAt(2, 0, 0))),
@@ -329,5 +328,4 @@ TEST_F(Changes, WhatIsWrongIsNamedAndNothingIsChanged) {
   EXPECT_EQ(stored("crate").X_PO.matrix(), Isometry3d::Identity().matrix());
 }
 
-}  // namespace test_scene_updates
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_scene_updates

@@ -10,8 +10,7 @@
 #include "demo_scene.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_self_filter {
+namespace collision_pairs::test_self_filter {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -326,5 +325,4 @@ TEST_F(SmallRobot, PaddingsAndPosesThatMeanNothingAreRefused) {
   EXPECT_FALSE(filter.isOwn({NAN, 0, 0}));
 }
 
-}  // namespace test_self_filter
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_self_filter

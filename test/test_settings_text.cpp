@@ -11,8 +11,7 @@
 #include "scene_config.h"
 #include "yaml_values.h"
 
-namespace collision_pairs {
-namespace test_settings_text {
+namespace collision_pairs::test_settings_text {
 
 using testing::HasSubstr;
 
@@ -163,5 +162,4 @@ TEST(SettingsText, AKeyIsOneWord) {
   }
 }
 
-}  // namespace test_settings_text
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_settings_text

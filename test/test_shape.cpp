@@ -5,8 +5,7 @@
 
 #include "collision_pairs/shape.h"
 
-namespace collision_pairs {
-namespace test_shape {
+namespace collision_pairs::test_shape {
 
 std::string shapeRefusal(const Shape& shape) {
   try {
@@ -68,5 +67,4 @@ TEST(Shape, MeshNamesItsBadVertexOrTriangle) {
               testing::HasSubstr("no vertex"));
 }
 
-}  // namespace test_shape
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_shape

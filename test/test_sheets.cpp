@@ -6,8 +6,7 @@
 #include "mixed_robot.h"
 #include "motion_fixtures.h"
 
-namespace collision_pairs {
-namespace test_sheets {
+namespace collision_pairs::test_sheets {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -90,5 +89,4 @@ TEST(Sheets, AreNotPassedByAMotion) {
   }
 }
 
-}  // namespace test_sheets
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_sheets

@@ -7,8 +7,7 @@
 #include "random_inputs.h"
 #include "simplex.h"
 
-namespace collision_pairs {
-namespace test_simplex {
+namespace collision_pairs::test_simplex {
 
 using Eigen::Vector3d;
 
@@ -90,5 +89,4 @@ TEST(Simplex, TheClosestPointOfAFlatOneIsAMixtureOfItsVerticesToo) {
   }
 }
 
-}  // namespace test_simplex
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_simplex

@@ -7,8 +7,7 @@
 #include "surface_query.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_slab_bounds {
+namespace collision_pairs::test_slab_bounds {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -253,5 +252,4 @@ TEST(SurfaceQuery, KeepsForEachOfFourBoxesWhatIsNearThatOne) {
   EXPECT_GT(nb_bounded, 100);
 }
 
-}  // namespace test_slab_bounds
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_slab_bounds

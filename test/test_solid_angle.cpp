@@ -4,8 +4,7 @@
 #include "solid_angle.h"
 #include "test_shapes.h"
 
-namespace collision_pairs {
-namespace test_solid_angle {
+namespace collision_pairs::test_solid_angle {
 
 using Eigen::Vector3d;
 using Corners = std::array<Vector3d, 3>;
@@ -74,5 +73,4 @@ TEST(SolidAngle, SeenFromACornerIsNothingAndSpoilsNothing) {
   EXPECT_NEAR(sum.total(), 0.125, 1e-15);
 }
 
-}  // namespace test_solid_angle
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_solid_angle

@@ -7,8 +7,7 @@
 #include "mixed_robot.h"
 #include "solid_pairs.h"
 
-namespace collision_pairs {
-namespace test_solid_pairs {
+namespace collision_pairs::test_solid_pairs {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -177,5 +176,4 @@ TEST(SolidPairs, TakeLittleMemoryHoweverManyObjectsThereAre) {
   EXPECT_LT(SolidPairs(*scene, model).memory(), 20e6);
 }
 
-}  // namespace test_solid_pairs
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_solid_pairs

@@ -4,8 +4,7 @@
 #include "solids.h"
 #include "triangle_distance.h"
 
-namespace collision_pairs {
-namespace test_solids {
+namespace collision_pairs::test_solids {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -137,5 +136,4 @@ TEST(HullBounds, NarrowPhaseOfBumpyBodiesIsThatOfAllTriangles) {
   }
 }
 
-}  // namespace test_solids
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_solids

@@ -8,8 +8,7 @@
 #include "collision_pairs/sweep_and_prune.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_sort_pairs {
+namespace collision_pairs::test_sort_pairs {
 
 /// Distinct pairs in any order; crowded: most of them have one of few first ids.
 std::vector<BoxPair> somePairs(RandomInputs& random, std::size_t nb_ids, std::size_t nb_pairs,
@@ -65,5 +64,4 @@ TEST(SortPairs, RowsOfEveryLengthAreSorted) {
   }
 }
 
-}  // namespace test_sort_pairs
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_sort_pairs

@@ -6,8 +6,7 @@
 #include "sphere_cover.h"
 #include "sphere_distance.h"
 
-namespace collision_pairs {
-namespace test_sphere_cover {
+namespace collision_pairs::test_sphere_cover {
 
 using Eigen::Vector3d;
 
@@ -289,5 +288,4 @@ TEST(SphereCover, OfSolidsWithoutVolumeIsWhole) {
   }
 }
 
-}  // namespace test_sphere_cover
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_sphere_cover

@@ -8,8 +8,7 @@
 #include "joint_sampler.h"
 #include "random_robot.h"
 
-namespace collision_pairs {
-namespace test_spheres {
+namespace collision_pairs::test_spheres {
 
 constexpr std::size_t STATES = BatchCheck::STATES_WORTH_A_STAGE;
 constexpr std::uint64_t SEED = 20261122;
@@ -134,5 +133,4 @@ TEST_P(SpheresOfRobot, AreFreeInNineteenOfTwentyFreeStatesAloneAndInItsWorld) {
 
 INSTANTIATE_TEST_SUITE_P(Spheres, SpheresOfRobot, testing::Values("panda", "ur5", "pr2"));
 
-}  // namespace test_spheres
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_spheres

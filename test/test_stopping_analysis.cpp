@@ -12,8 +12,7 @@
 #include "refusal.h"
 #include "stopping_analysis.h"
 
-namespace collision_pairs {
-namespace test_stopping_analysis {
+namespace collision_pairs::test_stopping_analysis {
 
 using testing::AllOf;
 using testing::Contains;
@@ -377,5 +376,4 @@ TEST(StoppingAnalysis, OvershootAndSlopesThatCannotBeToldAreSaid) {
   EXPECT_LE(outside.at_all, 1e-6);
 }
 
-}  // namespace test_stopping_analysis
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_stopping_analysis

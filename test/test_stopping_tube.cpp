@@ -7,8 +7,7 @@
 #include "random_inputs.h"
 #include "stopping_tube.h"
 
-namespace collision_pairs {
-namespace test_stopping_tube {
+namespace collision_pairs::test_stopping_tube {
 
 constexpr double STEP = 0.0005;
 constexpr double ROUNDING = 1e-9;
@@ -252,5 +251,4 @@ TEST(StoppingTube, OfADirectionOfAnyLengthHoldsWhatIsInFlight) {
   }
 }
 
-}  // namespace test_stopping_tube
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_stopping_tube

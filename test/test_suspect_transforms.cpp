@@ -8,27 +8,11 @@
 #include "random_inputs.h"
 #include "transform_test.h"
 
-namespace collision_pairs {
-namespace test_suspect_transforms {
+namespace collision_pairs::test_suspect_transforms {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-TEST_F(Transforms, OfAFrameThatIsStaticAndMovesAreNotBelievedInEitherOrder) {
-  receive("moves_first", 999.5, 1.0);
-  for (const char* frame : {"moves_first", "static_first"}) {
-    input_.take(linkAt(frame, ros::Time(4600.0), 2.0), true, now_);
-    receive(frame, 999.75, 1.0);
-    EXPECT_THROW(input_.lookUp("root", frame, ros::Time(0)), InputError) << frame;
-    EXPECT_THROW(input_.lookUp(frame, "root", ros::Time(0)), InputError) << frame;
-  }
-  EXPECT_THAT(input_.refused(),
-              ElementsAre(HasSubstr("'moves_first': it is published both on /tf and"),
-                          HasSubstr("'static_first': it is published both on /tf and")));
-  receive("sound", 999.5, 1.0);
-  EXPECT_NO_THROW(input_.lookUp("root", "sound", ros::Time(0)));
-}
 
 TEST_F(Transforms, AboveACommonParentDoNotMatter) {
   input_.take(linkAt("a", ros::Time(0), 1.0), true, now_);
@@ -40,26 +24,6 @@ TEST_F(Transforms, AboveACommonParentDoNotMatter) {
   }
   EXPECT_NO_THROW(input_.lookUp("b", "c", ros::Time(0)));
   EXPECT_THROW(input_.lookUp("root", "c", ros::Time(0)), InputError);
-}
-
-TEST_F(Transforms, OfTwoPublishersThatContradictEachOtherAreNotBelievedAndBothAreNamed) {
-  play(1000.0, 1001.0, [&] {
-    receiveBy("/honest", "a", now_.toSec(), 0.0);
-    receiveBy("/liar", "a", now_.toSec() - 0.007, 3.0);
-  });
-  EXPECT_THAT(whyNot("a"), HasSubstr("'/honest' and '/liar' both publish it, and contradict"));
-  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'/honest' and '/liar'")));
-  play(1001.0, 1002.5, [&] { receiveBy("/honest", "a", now_.toSec(), 0.0); });
-  EXPECT_EQ(newestOf("a"), 0.0) << "the other one is silent";
-}
-
-TEST_F(Transforms, OfTwoPublishersThatAgreeAreBelieved) {
-  play(1000.0, 1003.0, [&] {
-    const auto x = [](double t) { return std::sin(3.0 * t); };
-    receiveBy("/first", "a", now_.toSec(), x(now_.toSec()));
-    receiveBy("/second", "a", now_.toSec() - 0.005, x(now_.toSec() - 0.005));
-    EXPECT_TRUE(knows("a")) << whyNot("a");
-  });
 }
 
 TEST_F(Transforms, OfOneFrameAreTakenFromSixteenPublishersAndNoMore) {
@@ -89,21 +53,6 @@ TEST_F(Transforms, AheadOfTheClockAreNoNewerThanPresentOnes) {
   EXPECT_THAT(whyNot("a"), HasSubstr("'/ahead' and '/present'"));
 }
 
-TEST_F(Transforms, OfASingleMistakenStaticMessageAreSuspectUntilItIsSilent) {
-  play(1000.0, 1000.5, [&] { receive("a", now_.toSec(), 1.0); });
-  receiveBy("/mistaken", "a", 0.0, 5.0, true);
-  EXPECT_THAT(whyNot("a"), HasSubstr("both on /tf and on /tf_static"));
-  play(1000.5, 1001.4, [&] {
-    receive("a", now_.toSec(), 1.0);
-    EXPECT_FALSE(knows("a"));
-  });
-  play(1001.5, 1002.0, [&] { receive("a", now_.toSec(), 1.0); });
-  EXPECT_EQ(newestOf("a"), 1.0);
-  now_ = ros::Time(1010.0);
-  input_.followClock(now_);
-  EXPECT_FALSE(knows("a")) << "the static one does not take over when the other ends";
-}
-
 TEST_F(Transforms, OfASingleMistakenStaticMessageAreNotBelievedWhereTheOtherPublisherEnds) {
   play(1000.0, 1000.5, [&] { receive("a", now_.toSec(), 1.0); });
   now_ = ros::Time(1000.6);
@@ -128,37 +77,6 @@ TEST_F(Transforms, AreNotInterpolatedFromOneThatIsSuspect) {
   now_ = ros::Time(1001.5);
   receive("a", 1001.5, 1.0);
   EXPECT_TRUE(knows("a", ros::Time(1001.375)));
-}
-
-TEST_F(Transforms, OfAFrameThatMovedBecomeStaticIfSentAgainByTheSamePublisher) {
-  play(1000.0, 1000.5, [&] { receive("a", now_.toSec(), 1.0); });
-  now_ = ros::Time(1005.0);
-  receiveBy("/now_static", "a", 0.0, 5.0, true);
-  EXPECT_FALSE(knows("a"));
-  receiveBy("/now_static", "a", 0.0, 5.0, true);
-  EXPECT_EQ(newestOf("a"), 5.0);
-}
-
-TEST_F(Transforms, OfAStaticFrameThatIsPublishedOnceAsMovingRecover) {
-  receiveBy("/fixed", "a", 0.0, 5.0, true);
-  now_ = ros::Time(1005.0);
-  receive("a", 1005.0, 1.0);
-  EXPECT_FALSE(knows("a"));
-  now_ = ros::Time(1006.1);
-  input_.followClock(now_);
-  EXPECT_EQ(newestOf("a"), 5.0);
-}
-
-TEST_F(Transforms, OfTwoStaticPublishersThatContradictEachOtherAreSuspectUntilOneSendsAgain) {
-  receiveBy("/first", "a", 0.0, 1.0, true);
-  receiveBy("/second", "a", 0.0, 2.0, true);
-  now_ = ros::Time(2000.0);
-  input_.followClock(now_);
-  EXPECT_THAT(whyNot("a"), HasSubstr("'/first' and '/second' contradict"));
-  receiveBy("/first", "a", 0.0, 1.0, true);
-  now_ = ros::Time(2001.1);
-  input_.followClock(now_);
-  EXPECT_EQ(newestOf("a"), 1.0);
 }
 
 // Either kind is silent for about as long as it takes, and either is heard first again. A pose that
@@ -267,5 +185,4 @@ TEST_F(Transforms, ThatAGapPrecedesAreNeverInterpolatedOverItByAnotherThread) {
   EXPECT_FALSE(knows("a", ros::Time(1001.0)));
 }
 
-}  // namespace test_suspect_transforms
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_suspect_transforms

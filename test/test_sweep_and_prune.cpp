@@ -11,8 +11,7 @@
 #include "random_inputs.h"
 #include "sweep_axis.h"
 
-namespace collision_pairs {
-namespace test_sweep_and_prune {
+namespace collision_pairs::test_sweep_and_prune {
 
 using Eigen::Vector3d;
 
@@ -362,5 +361,4 @@ TEST(StaticBoxes, TheFirstUnsoundBoxIsNamed) {
   EXPECT_THROW(StaticBoxes({sound}, {0, 1}), std::invalid_argument);
 }
 
-}  // namespace test_sweep_and_prune
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_sweep_and_prune

@@ -12,8 +12,7 @@
 #include "broad_phase_oracle.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_sweep_exactness {
+namespace collision_pairs::test_sweep_exactness {
 
 using Eigen::Vector3d;
 using Rational = boost::multiprecision::cpp_rational;
@@ -171,5 +170,4 @@ TEST(SweepExactness, SquaresThatUnderflowLoseNothing) {
   }
 }
 
-}  // namespace test_sweep_exactness
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_sweep_exactness

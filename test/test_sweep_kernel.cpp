@@ -12,8 +12,7 @@
 #include "static_tree.h"
 #include "sweep_kernel.h"
 
-namespace collision_pairs {
-namespace test_sweep_kernel {
+namespace collision_pairs::test_sweep_kernel {
 
 using IdPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
@@ -268,5 +267,4 @@ TEST(SweepKernel, ThisMachineCanRunAtLeastTheOneOfFourLanes) {
   EXPECT_STREQ(sweepKernels().back()->name, "four lanes");
 }
 
-}  // namespace test_sweep_kernel
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_sweep_kernel

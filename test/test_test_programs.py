@@ -64,4 +64,4 @@ def test_each_file_of_tests_is_registered_and_its_names_are_in_a_namespace_of_it
         assert re.search(r"collision_pairs_test(_alone)?\(%s\b" % name, text), name + " is in no program"
         if name in dict(REGISTERED):  # others may have the same names
             with open(path, encoding="utf-8") as file:
-                assert re.search(r"^namespace test_%s \{" % name, file.read(), re.MULTILINE), name
+                assert re.search(r"^namespace collision_pairs::test_%s \{" % name, file.read(), re.MULTILINE), name

@@ -8,8 +8,7 @@
 #include "refusal.h"
 #include "text_files.h"
 
-namespace collision_pairs {
-namespace test_text_files {
+namespace collision_pairs::test_text_files {
 
 namespace fs = std::filesystem;
 
@@ -194,5 +193,4 @@ TEST(Csv, AQuotationGoesOnInTheNextLine) {
   EXPECT_EQ(record.fields(), (std::vector<std::string>{"a", "b \n\n c", "d"}));
 }
 
-}  // namespace test_text_files
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_text_files

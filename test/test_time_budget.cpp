@@ -6,8 +6,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "mixed_robot.h"
 
-namespace collision_pairs {
-namespace test_time_budget {
+namespace collision_pairs::test_time_budget {
 
 using Names = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -64,7 +63,7 @@ class TimeBudget : public testing::Test {
     for (const auto& [names, pair] : byModels(exact)) {
       const auto same = found.find(names);
       ASSERT_TRUE(same != found.end()) << "a pair was left out";
-      EXPECT_LE(same->second.distance, pair.distance + 1e-6);
+      EXPECT_LE(same->second.distance, pair.distance + 1e-9);
       if (pair.state == PairState::CONTACT) {
         EXPECT_NE(same->second.state, PairState::NEAR);
       }
@@ -252,5 +251,4 @@ TEST_F(TimeBudget, ThatIsNegativeOrNoNumberIsRefused) {
   EXPECT_THROW(checkWithin(std::nan("")), InputError);
 }
 
-}  // namespace test_time_budget
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_time_budget

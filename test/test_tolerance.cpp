@@ -13,8 +13,7 @@
 #include "test_shapes.h"
 #include "triangle_distance.h"
 
-namespace collision_pairs {
-namespace test_tolerance {
+namespace collision_pairs::test_tolerance {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -340,5 +339,4 @@ TEST(Tolerance, ThatIsNoLengthIsRefused) {
   }
 }
 
-}  // namespace test_tolerance
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_tolerance

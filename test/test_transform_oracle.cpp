@@ -11,8 +11,7 @@
 #include "frame_ways.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_transform_oracle {
+namespace collision_pairs::test_transform_oracle {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -219,14 +218,14 @@ class Oracle {
     FoundPose found;
     try {
       found = poseBetween(buffer_, forest_.nameOf(target), forest_.nameOf(source), instant);
-    } catch (const InputError&) {
+    } catch (const InputError& error) {
       ++counts_.unknown;
       if (instant.kind != Instant::NEWEST || now < START + 3.0 || now > END - 0.5) return;
       if (!forest_.truth(target, source, now) || isAnythingWrong(target, source, now)) return;
       ++counts_.back;
       FAIL() << "unknown at " << now
              << ", though all has been well for 2 s: " << forest_.nameOf(source) << " in "
-             << forest_.nameOf(target) << ": " << why(target, source, instant);
+             << forest_.nameOf(target) << ": " << error.what();
     }
     ++counts_.known;
     const StampNs stamp =
@@ -242,15 +241,6 @@ class Oracle {
     ASSERT_LT((found.X_TS.matrix() - truth->matrix()).cwiseAbs().maxCoeff(), 1e-5)
         << forest_.nameOf(source) << " in " << forest_.nameOf(target) << " at " << now - START
         << ", stamp " << 1e-9 * static_cast<double>(stamp) - START;
-  }
-
-  std::string why(int target, int source, const Instant& instant) const {
-    try {
-      poseBetween(buffer_, forest_.nameOf(target), forest_.nameOf(source), instant);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
   }
 
   RandomForest forest_;
@@ -273,5 +263,4 @@ TEST(TransformOracle, WhatIsKnownIsTrueAndIsKnownAgainTwoSecondsAfterAllIsWell) 
   EXPECT_GT(counts.lies, 100);
 }
 
-}  // namespace test_transform_oracle
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_transform_oracle

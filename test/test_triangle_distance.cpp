@@ -8,8 +8,7 @@
 #include "random_inputs.h"
 #include "triangle_distance.h"
 
-namespace collision_pairs {
-namespace test_triangle_distance {
+namespace collision_pairs::test_triangle_distance {
 
 using Eigen::Vector3d;
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
@@ -121,5 +120,4 @@ TEST(TriangleDistance, APlaneKeepsApartOnlyWhatIsApart) {
   EXPECT_GT(apart, 1000);
 }
 
-}  // namespace test_triangle_distance
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_triangle_distance

@@ -6,21 +6,16 @@
 #include <gtest/gtest.h>
 
 #include "demo_scene.h"
+#include "refusal.h"
 
-namespace collision_pairs {
-namespace test_urdf_errors {
+namespace collision_pairs::test_urdf_errors {
 
-std::string refusal(const std::string& xml) {
-  try {
-    RobotModel::fromUrdf(xml, noMeshes);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string refusalOfUrdf(const std::string& xml) {
+  return refusal([&] { RobotModel::fromUrdf(xml, noMeshes); });
 }
 
 std::string refusalOf(const std::string& links_and_joints) {
-  return refusal("<robot name='r'>\n" + links_and_joints + "</robot>");
+  return refusalOfUrdf("<robot name='r'>\n" + links_and_joints + "</robot>");
 }
 
 struct Case {
@@ -136,21 +131,23 @@ INSTANTIATE_TEST_SUITE_P(
     caseName);
 
 TEST(UrdfText, ThatIsNoUrdfIsRefused) {
-  EXPECT_THAT(refusal(""), testing::HasSubstr("empty"));
-  EXPECT_THAT(refusal("hello"), testing::HasSubstr("not well-formed"));
-  EXPECT_THAT(refusal("<robot name='r'><link name='a'>"), testing::HasSubstr("not well-formed"));
-  EXPECT_THAT(refusal("<robot name='r'/><robot name='s'/>"),
+  EXPECT_THAT(refusalOfUrdf(""), testing::HasSubstr("empty"));
+  EXPECT_THAT(refusalOfUrdf("hello"), testing::HasSubstr("not well-formed"));
+  EXPECT_THAT(refusalOfUrdf("<robot name='r'><link name='a'>"),
+              testing::HasSubstr("not well-formed"));
+  EXPECT_THAT(refusalOfUrdf("<robot name='r'/><robot name='s'/>"),
               testing::HasSubstr("second root element"));
-  EXPECT_THAT(refusal("<sdf/>"), testing::HasSubstr("must be <robot>"));
-  EXPECT_THAT(refusal("<robot><link name='a'/></robot>"),
+  EXPECT_THAT(refusalOfUrdf("<sdf/>"), testing::HasSubstr("must be <robot>"));
+  EXPECT_THAT(refusalOfUrdf("<robot><link name='a'/></robot>"),
               testing::HasSubstr("<robot> has no name"));
-  EXPECT_THAT(refusal(std::string("<robot name='r'>\0</robot>", 25)), testing::HasSubstr("NUL"));
+  EXPECT_THAT(refusalOfUrdf(std::string("<robot name='r'>\0</robot>", 25)),
+              testing::HasSubstr("NUL"));
 }
 
 TEST(UrdfText, NestedTooDeeplyIsRefused) {
   std::string xml = "<robot name='r'>";
   for (int i = 0; i < 100000; ++i) xml += "<a>";
-  EXPECT_THAT(refusal(xml), testing::HasSubstr("nested too deeply"));
+  EXPECT_THAT(refusalOfUrdf(xml), testing::HasSubstr("nested too deeply"));
 }
 
 TEST(UrdfText, AMimicOnAFixedJointMeansNothingAndIsWarnedOf) {
@@ -189,7 +186,7 @@ TEST(UrdfText, EntitiesAreNotExpanded) {
   const std::string bomb =
       "<!DOCTYPE robot [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;&a;&a;&a;&a;'>]>"
       "<robot name='&b;'><link name='l'/></robot>";
-  EXPECT_LT(refusal(bomb).size(), 500u);
+  EXPECT_LT(refusalOfUrdf(bomb).size(), 500u);
 }
 
 // urdfdom tells no line, so each fault stands on one of its own, between others that are sound.
@@ -214,7 +211,7 @@ TEST(UrdfText, LineOfTheFaultIsNamed) {
       if (i + 1 == line) text.replace(text.find(from), from.size(), to);
       xml += text + "\n";
     }
-    return refusal(xml);
+    return refusalOfUrdf(xml);
   };
   ASSERT_EQ(with(1, "r", "r"), "accepted");
   EXPECT_THAT(with(3, "1 1 1", "1 x 1"), testing::StartsWith("URDF line 3: link 'a': <box>"));
@@ -237,7 +234,7 @@ TEST(UrdfText, LineOfAJointWhoseLinkDoesNotExistIsNamedAmongMany) {
     const std::string above = i == 4 ? "nobody" : "l" + std::to_string(i - 1);
     xml += joint("j" + std::to_string(9 - i), "fixed", above, "l" + std::to_string(i)) + "\n";
   }
-  EXPECT_THAT(refusal(xml + "</robot>"), testing::StartsWith("URDF line 14: joint 'j5': "));
+  EXPECT_THAT(refusalOfUrdf(xml + "</robot>"), testing::StartsWith("URDF line 14: joint 'j5': "));
 }
 
 TEST(UrdfText, NumbersMayStandBetweenAnyBlanks) {
@@ -298,11 +295,11 @@ TEST(UrdfText, MessagesOfOtherThreadsGoWhereTheyWent) {
 }
 
 TEST(UrdfText, WhatNobodyReadsCannotMakeItFail) {
-  EXPECT_EQ(refusal("<robot name='r' version='nonsense'><material name=''/><gazebo><x/></gazebo>"
+  EXPECT_EQ(
+      refusalOfUrdf("<robot name='r' version='nonsense'><material name=''/><gazebo><x/></gazebo>"
                     "<link name='a'><inertial><mass value='heavy'/></inertial>"
                     "<visual><geometry><cone/></geometry></visual></link></robot>"),
-            "accepted");
+      "accepted");
 }
 
-}  // namespace test_urdf_errors
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_urdf_errors

@@ -11,8 +11,7 @@
 #include "collision_pairs/voxel_grid.h"
 #include "random_inputs.h"
 
-namespace collision_pairs {
-namespace test_voxel_grid {
+namespace collision_pairs::test_voxel_grid {
 
 using Eigen::Vector3d;
 using Cells = std::set<std::array<int, 3>>;
@@ -384,5 +383,4 @@ TEST(VoxelGrid, SettingsOutOfTheirRangeAreRefused) {
   EXPECT_THROW(grid.begin(0.0, Vector3d(NAN, 0, 0)), InputError);
 }
 
-}  // namespace test_voxel_grid
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_voxel_grid

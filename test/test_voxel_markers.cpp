@@ -7,8 +7,7 @@
 #include "printed.h"
 #include "scene_markers.h"
 
-namespace collision_pairs {
-namespace test_voxel_markers {
+namespace collision_pairs::test_voxel_markers {
 
 using visualization_msgs::Marker;
 
@@ -101,5 +100,4 @@ TEST(VoxelMarkers, OfNothingAreTakenAway) {
   EXPECT_EQ(noMarker("a", "w").ns, "cloud a");
 }
 
-}  // namespace test_voxel_markers
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_voxel_markers

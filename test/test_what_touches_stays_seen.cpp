@@ -14,8 +14,7 @@
 #include "simulated_cameras.h"
 #include "touched_robots.h"
 
-namespace collision_pairs {
-namespace test_what_touches_stays_seen {
+namespace collision_pairs::test_what_touches_stays_seen {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -350,5 +349,4 @@ TEST(WhatTouches, AFingertipThatComesSlowlyIsACollisionBeforeItTouches) {
   EXPECT_EQ(counts.followed, nb_wanted);
 }
 
-}  // namespace test_what_touches_stays_seen
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_what_touches_stays_seen

@@ -9,8 +9,7 @@
 #include "random_inputs.h"
 #include "xml_names.h"
 
-namespace collision_pairs {
-namespace test_xml_names {
+namespace collision_pairs::test_xml_names {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -347,5 +346,4 @@ TEST(XmlNames, LinksThatAreDrawnButNotCheckedAreSaidInOneLine) {
             "c\n");
 }
 
-}  // namespace test_xml_names
-}  // namespace collision_pairs
+}  // namespace collision_pairs::test_xml_names

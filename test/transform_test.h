@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "collision_pairs/input_error.h"
+#include "refusal.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
@@ -39,20 +39,10 @@ class Transforms : public testing::Test {
     return input_.lookUp("root", child, ros::Time(0)).X_TS.translation().x();
   }
   bool knows(const std::string& child, ros::Time stamp = ros::Time(0)) const {
-    try {
-      input_.lookUp("root", child, stamp);
-      return true;
-    } catch (const InputError&) {
-      return false;
-    }
+    return refusal([&] { input_.lookUp("root", child, stamp); }) == "accepted";
   }
   std::string whyNot(const std::string& child) const {
-    try {
-      input_.lookUp("root", child, ros::Time(0));
-      return "";
-    } catch (const InputError& error) {
-      return error.what();
-    }
+    return refusal([&] { input_.lookUp("root", child, ros::Time(0)); });
   }
   /// Once for each 20 ms, as the clock goes on.
   void play(double begin, double end, const std::function<void()>& publish) {

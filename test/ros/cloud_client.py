@@ -1,10 +1,12 @@
 """Publishes point clouds, well and badly, and learns what the node says of them."""
+import contextlib
 import struct
 import threading
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import PointCloud2, PointField
+from std_srvs.srv import Trigger
 
 PATIENCE = 20.0  # s
 
@@ -16,6 +18,21 @@ def cloud_of(points, frame, stamp=None):
     cloud.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate("xyz")]
     cloud.data = b"".join(struct.pack("<3f", *point) for point in points)
     return cloud
+
+
+@contextlib.contextmanager
+def other_clouds(node):
+    """Gives the settings of its cloud, and what resets the node with others; in the end it has its own again."""
+    given = rospy.get_param(node + "/clouds")
+    reset = rospy.ServiceProxy(node + "/reset", Trigger)
+
+    def use(*clouds):
+        rospy.set_param(node + "/clouds", list(clouds))
+        return reset()
+    try:
+        yield given[0], use
+    finally:
+        assert use(*given).success
 
 
 class CloudPublisher:

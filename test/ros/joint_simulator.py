@@ -20,7 +20,6 @@ class JointSimulator:
         self._publisher = rospy.Publisher("/joint_states", JointState, queue_size=10)
         self._last = rospy.get_time()
         self.is_silent = False
-        self.is_broken = False  # publishes NaN
         self.is_uneven = False  # names one more joint, first, without a position
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._step)
 
@@ -54,8 +53,6 @@ class JointSimulator:
             message = JointState(name=self.names + ["joint_of_another_robot"],
                                  position=[self._positions[n] for n in self.names] + [0.5])
         message.header.stamp = rospy.Time.now()
-        if self.is_broken:
-            message.position[0] = float("nan")
         if self.is_uneven:
             message.name.insert(0, "gripper")
         if not self.is_silent:

@@ -46,6 +46,13 @@ class NodeClient:
             rospy.sleep(0.01)
         return None
 
+    def wait_for(self, verdict, *words):
+        """The next report with this verdict, and these words among its reasons."""
+        report = self.next(self.reports, lambda r: r.verdict == verdict and all(
+            word in " ".join(r.unknown_because) for word in words))
+        assert report, "no report %d with %s; the last: %s" % (verdict, words, self.reports[-1:])
+        return report
+
     def report_since(self, stamp, condition=lambda report: True):
         """A report of poses later than the stamp."""
         return self.next(self.reports, lambda r: r.header.stamp > stamp and condition(r))

@@ -3,6 +3,7 @@ import os
 import subprocess
 import tempfile
 import time
+import unittest
 
 import roslib.packages
 
@@ -41,3 +42,17 @@ class Program:
     def end(self):
         self.process.terminate()
         self.process.wait(PATIENCE)
+
+
+class ProgramCase(unittest.TestCase):
+    """What a test starts ends with it."""
+    def setUp(self):
+        self.programs = []
+
+    def tearDown(self):
+        for program in self.programs:
+            program.end()
+
+    def start(self, *command, master=None):
+        self.programs.append(Program(*command, master=master))
+        return self.programs[-1]

@@ -1,11 +1,13 @@
 """How the rostests write changes of the scene and send them to update_scene."""
+import unittest
+
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion
 from shape_msgs.msg import Mesh, MeshTriangle, SolidPrimitive
 
 from collision_pairs.msg import SceneChange, SceneObject
 from collision_pairs.srv import UpdateScene
-from node_client import PATIENCE
+from node_client import PATIENCE, JointPublisher, NodeClient
 
 
 def pose(xyz=(0, 0, 0), xyzw=(0, 0, 0, 1)):
@@ -81,3 +83,19 @@ class SceneClient:
         reply = self.send(*changes)
         assert reply.success, reply.message
         return {listed.name: listed for listed in reply.objects}
+
+
+class SceneCase(unittest.TestCase):
+    """Three sliding boxes, the node that checks them, and its scene."""
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
+        cls.node = NodeClient("/node")
+        cls.scene = SceneClient("/node")
+
+    def stand(self, *positions):
+        """A report of then."""
+        since = self.robot.hold(positions)
+        report = self.node.report_since(since, lambda r: not r.left_out)
+        self.assertIsNotNone(report)
+        return report

@@ -2,7 +2,6 @@
 """Objects that hang on links: they move with TF and with hypothetical states, and are let go where they are."""
 import os
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -10,9 +9,9 @@ import rospy
 import rostest
 from sensor_msgs.msg import JointState
 
-from node_client import JointPublisher, NodeClient
+from node_client import NodeClient
 from program import NODE, Program
-from scene_client import SceneClient, add_box, attach, clear, detach, xyz_of
+from scene_client import SceneCase, SceneClient, add_box, attach, clear
 
 ARM = 2.0  # from a link to what it carries
 
@@ -21,22 +20,10 @@ def pairs(report):
     return [(pair.first_link, pair.second_link) for pair in report.pairs]
 
 
-class AttachedObjectsTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
-        cls.node = NodeClient("/node")
-        cls.scene = SceneClient("/node")
-
+class AttachedObjectsTest(SceneCase):
     def setUp(self):
         self.scene.apply(clear())
-        self.report_at(0, 4, 8)
-
-    def report_at(self, *positions):
-        since = self.robot.hold(positions)
-        report = self.node.report_since(since, lambda r: not r.left_out)
-        self.assertIsNotNone(report)
-        return report
+        self.stand(0, 4, 8)
 
     def attach_above(self, link, x, name="held", **fields):
         """A box that hangs in the air, ARM above the link that stands at x."""
@@ -44,11 +31,14 @@ class AttachedObjectsTest(unittest.TestCase):
         return self.scene.apply(attach(name, link))[name]
 
     def test_what_is_attached_moves_with_its_link(self):
-        self.attach_above("a", 0.0)
-        self.scene.apply(add_box("post", (2.0, 0, ARM)))
-        self.assertEqual(pairs(self.report_at(0, 4, 8)), [])
-        self.assertEqual(pairs(self.report_at(2, 4, 8)), [("held", "post")])
-        self.assertEqual(pairs(self.report_at(-2, 4, 8)), [])
+        for name in ("held", "A name before all links"):
+            self.stand(0, 4, 8)
+            self.attach_above("a", 0.0, name)
+            self.scene.apply(add_box("post", (2.0, 0, ARM)))
+            self.assertEqual(pairs(self.stand(0, 4, 8)), [])
+            self.assertEqual(pairs(self.stand(2, 4, 8)), [(name, "post")])
+            self.assertEqual(pairs(self.stand(-2, 4, 8)), [])
+            self.scene.apply(clear())
 
     def test_what_is_attached_meets_a_link_that_was_in_no_pair(self):
         """Whose geometry the node has not loaded yet."""
@@ -64,12 +54,6 @@ class AttachedObjectsTest(unittest.TestCase):
         finally:
             lean.end()
 
-    def test_what_is_attached_moves_with_its_link_also_if_its_name_comes_before_all_links(self):
-        self.scene.apply(add_box("post", (10.0, 0, ARM)))
-        self.attach_above("c", 8.0, "A first name")
-        self.assertEqual(pairs(self.report_at(0, 4, 8)), [])
-        self.assertEqual(pairs(self.report_at(0, 4, 10)), [("A first name", "post")])
-
     def test_what_is_attached_moves_with_a_hypothetical_state(self):
         self.attach_above("a", 0.0)
         self.scene.apply(add_box("post", (2.0, 0, ARM)))
@@ -77,15 +61,6 @@ class AttachedObjectsTest(unittest.TestCase):
             reply = self.node.check(joint_state=JointState(name=["slide_a"], position=[x]))
             self.assertTrue(reply.success, reply.message)
             self.assertEqual(pairs(reply.result), expected)
-
-    def test_an_object_goes_from_hand_to_hand(self):
-        self.attach_above("a", 0.0)
-        self.report_at(3, 4, 8)
-        held = self.scene.apply(attach("held", "b"))["held"]
-        self.assertAlmostEqual(xyz_of(held)[0], -1.0, places=9)
-        self.report_at(0, 6, 8)
-        held = self.scene.apply(detach("held"))["held"]
-        self.assertAlmostEqual(xyz_of(held)[0], 5.0, places=9)
 
 
 if __name__ == "__main__":

@@ -12,13 +12,13 @@ import rostest
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckCollisions, CheckTrajectory, UpdateScene
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import TransformStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from scene_client import SceneClient, add_box, attach, clear, detach
+from transform_faults import box_at
 
 PATIENCE = 10.0             # s of wall time
 STEP, WALL = 0.02, 0.005    # s of the clock, and of wall time: it runs four times as fast
@@ -64,15 +64,7 @@ class ClockJumpsTest(unittest.TestCase):
             self.assertIn("use_sim_time is set, but nothing was received on /clock", message, where)
 
     def publish(self, stamp, x):
-        message = TFMessage()
-        for i, name in enumerate("abc"):
-            transform = TransformStamped()
-            transform.header.stamp = rospy.Time.from_sec(stamp)
-            transform.header.frame_id, transform.child_frame_id = "root", name
-            transform.transform.translation.x = x * i
-            transform.transform.rotation.w = 1.0
-            message.transforms.append(transform)
-        self.tf.publish(message)
+        self.tf.publish(TFMessage([box_at(name, x * i, rospy.Time.from_sec(stamp)) for i, name in enumerate("abc")]))
 
     def play(self, begin, end, x):
         now = begin

@@ -14,7 +14,7 @@ from sensor_msgs.msg import PointCloud2
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
-from cloud_client import CloudPublisher, cloud_diagnosis, cloud_of
+from cloud_client import CloudPublisher, cloud_diagnosis, cloud_of, other_clouds
 from node_client import PATIENCE, NodeClient
 from program import wait_until
 from scene_client import SceneClient, add_box, clear
@@ -108,29 +108,17 @@ class CloudHealthTest(unittest.TestCase):
         self.numbers(lambda now: now["refused"] > before["refused"] and now["used"] == before["used"])
 
     def test_without_a_time_out_old_clouds_are_used(self):
-        given = rospy.get_param("/node/clouds")
-        reset = rospy.ServiceProxy("/node/reset", Trigger)
-        try:
-            rospy.set_param("/node/clouds", [dict(given[0], source_timeout=0)])
-            self.assertTrue(reset().success)
+        with other_clouds("/node") as (given, use):
+            self.assertTrue(use(dict(given, source_timeout=0)).success)
             self.camera.send(cloud_of([(0.0, 5.0, 0.0)], "camera", rospy.Time.now() - rospy.Duration(2.0)))
             self.assertIsNotNone(self.node.next(self.node.reports, lambda report: report.verdict == report.FREE))
-        finally:
-            rospy.set_param("/node/clouds", given)
-            self.assertTrue(reset().success)
 
     def test_a_topic_that_the_node_knows_by_another_type_is_said_and_ends_nothing(self):
-        given = rospy.get_param("/node/clouds")
-        reset = rospy.ServiceProxy("/node/reset", Trigger)
-        try:
-            rospy.set_param("/node/clouds", [dict(given[0], topic="/tf")])
-            self.assertTrue(reset().success)
+        with other_clouds("/node") as (given, use):
+            self.assertTrue(use(dict(given, topic="/tf")).success)
             words = "its topic cannot be subscribed to"
             report = self.node.next(self.node.reports, lambda report: words in " ".join(report.unknown_because))
             self.assertEqual(report.verdict, report.UNKNOWN)
-        finally:
-            rospy.set_param("/node/clouds", given)
-            self.assertTrue(reset().success)
 
     def shown(self, condition):
         """{x of a voxel: its colour} in the next marker of the cloud that meets the condition."""
@@ -187,15 +175,12 @@ class CloudHealthTest(unittest.TestCase):
         self.assertGreater(sorted(gaps())[1], 0.15)  # one may have waited on a busy machine
 
     def test_a_node_without_clouds_says_nothing_of_them(self):
-        given = rospy.get_param("/node/clouds")
-        reset = rospy.ServiceProxy("/node/reset", Trigger)
         names = set()
         subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: names.update(s.name for s in array.status))
         self.assertIsNotNone(cloud_diagnosis(lambda _: True))
         self.assertEqual(names, {"node: collision check", "node: point clouds"})
-        try:
-            rospy.set_param("/node/clouds", [])
-            self.assertTrue(reset().success)
+        with other_clouds("/node") as (_, use):
+            self.assertTrue(use().success)
             end = rospy.get_time() + PATIENCE
             names.add("node: point clouds")
             while rospy.get_time() < end and "node: point clouds" in names:
@@ -203,10 +188,7 @@ class CloudHealthTest(unittest.TestCase):
                 rospy.sleep(1.5)
             self.assertEqual(names, {"node: collision check"})
             self.assertEqual((self.clear().success, self.clear().message), (False, "there are no clouds"))
-        finally:
-            rospy.set_param("/node/clouds", given)
-            self.assertTrue(reset().success)
-            subscriber.unregister()
+        subscriber.unregister()
         self.assertIsNotNone(cloud_diagnosis(lambda _: True))
         self.assertTrue(self.clear().success)
         self.assertIn("UNKNOWN until a new cloud has arrived", self.clear().message)

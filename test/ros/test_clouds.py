@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState, PointCloud2
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from cloud_client import CloudPublisher, cloud_diagnosis, cloud_of
+from cloud_client import CloudPublisher, cloud_diagnosis, cloud_of, other_clouds
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
 from node_client import NodeClient
@@ -35,6 +35,7 @@ class CloudsTest(unittest.TestCase):
         cls.boxes.x = dict(APART, camera=CAMERA_X)
         cls.boxes.heal()
         cls.node = NodeClient("/node")
+        cls.wait_for = cls.node.wait_for
         # All links are known, but no cloud has come.
         cls.first = cls.node.next(cls.node.reports, lambda r: r.left_out == [CLOUD])
         cls.camera = CloudPublisher("/" + CLOUD, "camera")
@@ -65,13 +66,6 @@ class CloudsTest(unittest.TestCase):
         self.camera.heal(points, "camera")
         self.assertIsNotNone(self.node.next(self.filtered, lambda cloud: cloud.header.stamp > begin))
 
-    def wait_for(self, verdict, *words):
-        report = self.node.next(self.node.reports, lambda r: r.verdict == verdict and
-                                all(word in " ".join(r.unknown_because) for word in words))
-        self.assertIsNotNone(report, "no report %d with %s; the last: %s" %
-                             (verdict, words, self.node.reports[-1].unknown_because))
-        return report
-
     def test_01_before_the_first_cloud_the_verdict_is_unknown_and_names_the_cloud(self):
         self.assertIsNotNone(self.first)
         self.assertEqual((self.first.verdict, self.first.in_collision), (UNKNOWN, True))
@@ -100,23 +94,17 @@ class CloudsTest(unittest.TestCase):
         self.wait_for(FREE)
 
     def test_what_may_touch_does_so_by_other_settings_too(self):
-        given = rospy.get_param("/node/clouds")
-        reset = rospy.ServiceProxy("/node/reset", Trigger)
         for y in (0.9, 0.7, 0.58, 0.58, 0.52):
             self.show([(0.05 - CAMERA_X, y, 0.05)])
         words = NAMED + "something vanished 5 cm from a: it may touch"
         self.wait_for(UNKNOWN, words)
-        try:
-            for settings in (dict(given[0], decay=0.7), dict(given[0], decay=0.8)):
-                rospy.set_param("/node/clouds", [settings])
-                self.assertTrue(reset().success)
+        with other_clouds("/node") as (given, use):
+            for decay in (0.7, 0.8):
+                self.assertTrue(use(dict(given, decay=decay)).success)
                 self.show([(0.05 - CAMERA_X, 0.52, 0.05)])
                 self.wait_for(UNKNOWN, words)
             self.forget()
             self.wait_for(FREE)
-        finally:
-            rospy.set_param("/node/clouds", given)
-            self.assertTrue(reset().success)
 
     def test_a_source_that_stops_is_unknown_by_name_until_it_comes_again(self):
         self.camera.points = BESIDE_A
@@ -225,28 +213,20 @@ class CloudsTest(unittest.TestCase):
         self.assertEqual({r.verdict for r in self.node.reports[before:]}, {COLLISION})
 
     def test_a_changed_list_of_clouds_is_read_by_reset_and_a_wrong_one_is_refused(self):
-        reset = rospy.ServiceProxy("/node/reset", Trigger)
-        given = rospy.get_param("/node/clouds")
         self.camera.points = BESIDE_A
         self.wait_for(COLLISION)
-        try:
-            rospy.set_param("/node/clouds", [dict(given[0], voxelsize=0.1)])
-            reply = reset()
+        with other_clouds("/node") as (given, use):
+            reply = use(dict(given, voxelsize=0.1))
             self.assertFalse(reply.success)
             self.assertIn("'voxelsize' is not a setting of a cloud; did you mean 'voxel_size'?", reply.message)
             self.wait_for(COLLISION)
-            rospy.set_param("/node/clouds", [dict(given[0], max_range=1.0, min_valid_points=0)])
-            reply = reset()
+            reply = use(dict(given, max_range=1.0, min_valid_points=0))
             self.assertTrue(reply.success, reply.message)
             self.wait_for(FREE)  # the point is further from the camera
-            rospy.set_param("/node/clouds", [])
-            self.assertTrue(reset().success)
+            self.assertTrue(use().success)
             self.camera.silent = True
             self.wait_for(FREE)
             self.assertFalse(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
-        finally:
-            rospy.set_param("/node/clouds", given)
-            self.assertTrue(reset().success)
 
     def test_what_was_filtered_with_an_object_is_not_free_before_a_cloud_without_it(self):
         scene = SceneClient("/node")

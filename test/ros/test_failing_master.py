@@ -4,7 +4,6 @@ import http.server
 import os
 import sys
 import threading
-import unittest
 import urllib.request
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -15,7 +14,7 @@ from std_srvs.srv import Trigger
 
 from collision_pairs.srv import UpdateScene
 from node_client import PATIENCE
-from program import NODE, Program
+from program import NODE, ProgramCase
 from scene_client import add_box, clear
 
 
@@ -55,22 +54,20 @@ class FailingMaster:
         self._server.server_close()
 
 
-class FailingMasterTest(unittest.TestCase):
+class FailingMasterTest(ProgramCase):
     def setUp(self):
+        super().setUp()
         self.master = FailingMaster()
-        self.programs = []
 
     def tearDown(self):
-        for program in self.programs:
-            program.end()
+        super().tearDown()
         self.master.end()
         for name in ("asked", "nested", "left"):
             if rospy.has_param("/" + name):
                 rospy.delete_param("/" + name)
 
-    def start(self, *arguments):
-        self.programs.append(Program(NODE, *arguments, master=self.master.uri))
-        return self.programs[-1]
+    def start_node(self, *arguments):
+        return self.start(NODE, *arguments, master=self.master.uri)
 
     def call(self, service, kind, *arguments):
         rospy.wait_for_service(service, PATIENCE)
@@ -79,7 +76,7 @@ class FailingMasterTest(unittest.TestCase):
     def test_a_parameter_that_cannot_be_asked_about_is_not_a_default(self):
         rospy.set_param("/asked/floor", {"height": 0.0})
         self.master.fails_at = ("getParam", "/asked/floor")
-        node = self.start("__name:=asked")
+        node = self.start_node("__name:=asked")
         node.wait_for("does not answer getParam(/asked/floor)")
         self.assertNotIn("ready after", node.said())
         self.master.fails_at = None
@@ -93,7 +90,7 @@ class FailingMasterTest(unittest.TestCase):
         self.assertTrue(self.call("/asked/reset", Trigger).success)
 
     def test_objects_that_could_not_be_noted_for_the_next_node_are_refused(self):
-        self.start("__name:=asked").wait_for("ready after")
+        self.start_node("__name:=asked").wait_for("ready after")
         self.master.fails_at = ("setParam", "/asked/has_objects")
         answer = self.call("/asked/update_scene", UpdateScene, [add_box("box")], False)
         self.assertFalse(answer.success)
@@ -108,7 +105,7 @@ class FailingMasterTest(unittest.TestCase):
     def test_settings_below_the_name_of_the_node_in_a_file_are_refused(self):
         for settings, key in (({"floor": {"height": 0.0}}, "floor"), ({"deeper": {"clouds": []}}, "deeper/clouds")):
             rospy.set_param("/nested/nested", settings)
-            node = self.start("__name:=nested")
+            node = self.start_node("__name:=nested")
             node.wait_for("parameter /nested/nested/%s is not read" % key)
             node.end()
 
@@ -116,14 +113,14 @@ class FailingMasterTest(unittest.TestCase):
         rospy.set_param("/left/robot_description", rospy.get_param("/robot_description"))
         rospy.set_param("/robot_description_semantic", "<robot name='boxes'/>")
         try:
-            node = self.start("__ns:=left", "__name:=node")
+            node = self.start_node("__ns:=left", "__name:=node")
             node.wait_for("parameter /robot_description_semantic is not used: it may be of another robot than /left/robot_description")
             rospy.set_param("/left/node/robot_description_semantic", "<robot name='boxes'/>")
-            node = self.start("__ns:=left", "__name:=nearer")
+            node = self.start_node("__ns:=left", "__name:=nearer")
             node.wait_for("is not used")
             rospy.set_param("/left/robot_description_semantic", "<robot name='boxes'/>")
             self.assertTrue(self.call("/left/node/reset", Trigger).success)
-            node = self.start("__ns:=left", "__name:=third")
+            node = self.start_node("__ns:=left", "__name:=third")
             node.wait_for("ready after")
             self.assertNotIn("is not used", node.said())
         finally:

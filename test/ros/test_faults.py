@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from collision_pairs.srv import UpdateScene
 from collision_pairs.watchdog import Watchdog
 from node_client import PATIENCE, JointPublisher, NodeClient
-from program import NODE, Program, wait_until
+from program import NODE, ProgramCase, wait_until
 from scene_client import add, add_box, clear
 
 GUARD = roslib.packages.find_node("collision_pairs", "limited_command_guard")[0]
@@ -55,18 +55,7 @@ def pid_of(node):
         return None
 
 
-class FaultsTest(unittest.TestCase):
-    def setUp(self):
-        self.programs = []
-
-    def tearDown(self):
-        for program in self.programs:
-            program.end()
-
-    def start(self, *command, master=None):
-        self.programs.append(Program(*command, master=master))
-        return self.programs[-1]
-
+class FaultsTest(ProgramCase):
     def launch(self, name, parameters, master=None):
         """collision_pairs.launch with this text of parameters."""
         overlay = tempfile.NamedTemporaryFile("w", suffix=".yaml")

@@ -22,7 +22,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.srv import CheckTrajectory, UpdateScene
 from node_client import PATIENCE
-from program import NODE, Program, wait_until
+from program import NODE, Program, ProgramCase, wait_until
 from scene_client import add, tetrahedron
 from test_verdict import write_bumpy_sphere
 
@@ -46,7 +46,7 @@ class ListeningMaster(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCSer
         return [after - before for before, after in zip(times, times[1:])]
 
 
-class HowOftenTest(unittest.TestCase):
+class HowOftenTest(ProgramCase):
     @classmethod
     def setUpClass(cls):
         """Two nodes that are heard meanwhile."""
@@ -61,23 +61,15 @@ class HowOftenTest(unittest.TestCase):
         for program in cls.heard:
             program.end()
 
-    def setUp(self):
-        self.programs = []
-
-    def tearDown(self):
-        for program in self.programs:
-            program.end()
-
-    def start(self, name):
-        self.programs.append(Program(NODE, "__name:=" + name))
-        return self.programs[-1]
+    def start_node(self, name):
+        return self.start(NODE, "__name:=" + name)
 
     def assert_each(self, gaps, least):
         self.assertTrue(gaps)
         self.assertGreater(sorted(gaps)[len(gaps) // 2], least)
 
     def test_a_node_that_is_asked_to_end_does_so_without_a_fault(self):
-        nodes = [self.start("ends_%d" % i) for i in range(4)]
+        nodes = [self.start_node("ends_%d" % i) for i in range(4)]
         for node in nodes:
             node.wait_for("ready after")
         for node in nodes:
@@ -93,7 +85,7 @@ class HowOftenTest(unittest.TestCase):
             robot = "".join(link % (i, mesh.name, 1 + i) + joint % (i, i) for i in range(20))
             rospy.set_param("/busy/robot", "<robot name='heavy'><link name='root'/>%s</robot>" % robot)
             rospy.set_param("/busy/robots", [{"description": "robot"}])
-            node = self.start("busy")
+            node = self.start_node("busy")
             node.wait_for(" of 20 meshes")
             node.process.send_signal(signal.SIGINT)
             self.assertEqual(node.process.wait(PATIENCE), 0)
@@ -101,7 +93,7 @@ class HowOftenTest(unittest.TestCase):
 
     @unittest.skipIf(os.getpriority(os.PRIO_PROCESS, 0) >= 10, "the test itself has a low priority")
     def test_what_builds_scenes_and_checks_trajectories_has_a_low_priority(self):
-        node = self.start("polite")
+        node = self.start_node("polite")
         node.wait_for("ready after")
 
         def nb_low():
@@ -117,7 +109,7 @@ class HowOftenTest(unittest.TestCase):
     def test_requests_that_change_the_scene_are_answered_with_the_priority_of_the_node_after_a_load(self):
         rospy.set_param("/prompt/rate", 1.0)  # so that the work of a request exceeds that of the cycles meanwhile
         rospy.set_param("/prompt/clouds", [{"topic": "points", "voxel_size": 0.05}])
-        node = self.start("prompt")
+        node = self.start_node("prompt")
         node.wait_for("ready after")
 
         def work():

@@ -6,7 +6,6 @@ import shutil
 import signal
 import sys
 import time
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -20,7 +19,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from collision_pairs.msg import SpeedLimit
 from joint_simulator import JointSimulator
 from node_client import PATIENCE, diagnosis_of
-from program import NODE, Program, wait_until
+from program import NODE, Program, ProgramCase, wait_until
 
 GUARD = roslib.packages.find_node("collision_pairs", "limited_command_guard")[0]
 PERIOD, TIMEOUT, SPEED = 0.01, 0.2, 0.05   # s, s, m/s
@@ -60,14 +59,15 @@ class Heard:
         return took
 
 
-class LimiterGuardTest(unittest.TestCase):
+class LimiterGuardTest(ProgramCase):
     @classmethod
     def setUpClass(cls):
         cls.joints = JointSimulator(["slide_a", "slide_b", "slide_c"])
         cls.joints.place(slide_a=0.0, slide_b=4.0, slide_c=8.0)
 
     def setUp(self):
-        self.programs, self.timers = [], []
+        super().setUp()
+        self.timers = []
 
     def tearDown(self):
         for timer in self.timers:
@@ -75,9 +75,9 @@ class LimiterGuardTest(unittest.TestCase):
         for program in self.programs:
             if program.process.poll() is None:
                 os.kill(program.process.pid, signal.SIGCONT)
-                program.end()
+        super().tearDown()
 
-    def start(self, name, message):
+    def start_limiter(self, name, message):
         """A limiter, its guard, and commands that repeat the message. Returns the two and what comes out of each."""
         kind = type(message)
         settings = dict(LIMITER, command="/%s/asked" % name, command_type=kind._type)
@@ -104,7 +104,7 @@ class LimiterGuardTest(unittest.TestCase):
         return message
 
     def test_a_decision_that_is_blocked_does_not_keep_zeros_back(self):
-        limiter, _, limited, _ = self.start("blocked", self.array())
+        limiter, _, limited, _ = self.start_limiter("blocked", self.array())
         limits = []
         rospy.Subscriber("/blocked/speed_limit", SpeedLimit, limits.append)
         tasks = "/proc/%d/task" % limiter.process.pid
@@ -127,7 +127,7 @@ class LimiterGuardTest(unittest.TestCase):
                                ["commands"]) > 0, "diagnostics")
 
     def test_a_limiter_that_hangs_does_not_keep_the_guard_from_zeros(self):
-        limiter, _, limited, passed = self.start("hangs", self.array())
+        limiter, _, limited, passed = self.start_limiter("hangs", self.array())
         os.kill(limiter.process.pid, signal.SIGSTOP)
         self.assertLess(passed.seconds_to_zeros("a limiter that hangs"), TIMEOUT + LATE)
         self.assertTrue(limited.moves(), "these zeros are of the guard")
@@ -138,14 +138,14 @@ class LimiterGuardTest(unittest.TestCase):
         wait_until(passed.moves, "commands that pass again")
 
     def test_a_limiter_that_is_killed_leaves_zeros(self):
-        limiter, _, _, passed = self.start("killed", self.array())
+        limiter, _, _, passed = self.start_limiter("killed", self.array())
         limiter.process.kill()
         self.assertLess(passed.seconds_to_zeros("a limiter that is killed"), TIMEOUT + LATE)
 
     def test_a_guard_that_is_started_again_sends_zeros_also_to_a_controller_that_connects_later(self):
         for message in (self.array(), self.trajectory()):
             name = "again_" + type(message).__name__.lower()
-            limiter, guard, _, passed = self.start(name, message)
+            limiter, guard, _, passed = self.start_limiter(name, message)
             for program in (limiter, guard):  # at once: the last command goes on for ever
                 program.process.kill()
             guard.process.wait(PATIENCE)
@@ -160,7 +160,7 @@ class LimiterGuardTest(unittest.TestCase):
             self.assertEqual(late.velocities(), [[0.0]])
 
     def test_a_guard_that_is_asked_to_end_sends_zeros_first(self):
-        _, guard, _, passed = self.start("asked", self.array())
+        _, guard, _, passed = self.start_limiter("asked", self.array())
         ends = [lambda number=number: guard.process.send_signal(number) for number in (signal.SIGINT, signal.SIGTERM)]
         for end in ends + [lambda: rosnode.kill_nodes(["/asked_guard"])]:
             wait_until(passed.moves, "a command through limiter and guard")
@@ -173,7 +173,7 @@ class LimiterGuardTest(unittest.TestCase):
             self.programs.append(guard)
 
     def test_a_trajectory_controller_is_stopped_at_once_and_where_the_robot_is(self):
-        limiter, _, _, passed = self.start("trajectory", self.trajectory())
+        limiter, _, _, passed = self.start_limiter("trajectory", self.trajectory())
         os.kill(limiter.process.pid, signal.SIGSTOP)
         self.assertLess(passed.seconds_to_zeros("a limiter of trajectories that hangs"), TIMEOUT + LATE)
         stop = passed.messages[-1]
@@ -185,7 +185,7 @@ class LimiterGuardTest(unittest.TestCase):
     def test_zeros_are_of_the_limiters_joints_whatever_a_malformed_trajectory_names(self):
         malformed = self.trajectory()
         malformed.joint_names[0], malformed.points[0].positions = "slide_x", []
-        _, _, _, passed = self.start("malformed", self.trajectory())
+        _, _, _, passed = self.start_limiter("malformed", self.trajectory())
         self.timers.pop().shutdown()
         wait_until(lambda: not passed.moves(), "zeros")
         publisher = rospy.Publisher("/malformed/asked", JointTrajectory, queue_size=1, tcp_nodelay=True)
@@ -197,7 +197,7 @@ class LimiterGuardTest(unittest.TestCase):
         # A guard that hears someone else.
         rospy.set_param("/alone/velocity_limiter", dict(LIMITER, command="/alone/asked", command_type=JointTrajectory._type))
         heard = Heard("/alone/command", JointTrajectory)
-        self.programs.append(Program(GUARD, "__name:=alone"))
+        self.start(GUARD, "__name:=alone")
         publisher = rospy.Publisher("/alone/limited_command", JointTrajectory, queue_size=1, tcp_nodelay=True)
         wait_until(publisher.get_num_connections, "a connection")
         publisher.publish(malformed)
@@ -214,7 +214,7 @@ class LimiterGuardTest(unittest.TestCase):
         rospy.set_param("/idle/velocity_limiter", dict(LIMITER, command="/idle/asked"))
         rospy.set_param("/idle_guard/velocity_limiter", dict(LIMITER, command="/idle/asked"))
         for program, name in ((NODE, "idle"), (GUARD, "idle_guard")):
-            self.programs.append(Program(*refused, program, "__name:=" + name))
+            self.start(*refused, program, "__name:=" + name)
         for program in self.programs:
             wait_until(lambda: "scheduling" in program.said() or program.process.poll() is not None, "a word")
             if not program.said() and not refused:
@@ -236,7 +236,7 @@ class LimiterGuardTest(unittest.TestCase):
         self.programs.append(guard)
         guard.wait_for("commands are read from /self_guard/limited_command and passed on there")
         self.assertEqual(guard.process.wait(60), 1)
-        self.programs.append(Program(NODE, "__name:=loop"))
+        self.start(NODE, "__name:=loop")
         self.programs[-1].wait_for("commands are read from /loop/limited_command and passed on there")
         self.assertRegex(diagnosis_of("loop: velocity limiter").message, "would be heard again")
 

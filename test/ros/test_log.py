@@ -4,7 +4,6 @@ import os
 import re
 import sys
 import tempfile
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -19,7 +18,7 @@ from std_srvs.srv import Trigger
 from cloud_client import CloudPublisher
 from collision_pairs.srv import CheckCollisions
 from node_client import PATIENCE, diagnosis_of
-from program import NODE, Program, wait_until
+from program import NODE, ProgramCase, wait_until
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SHEET = ("solid sheet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
@@ -42,23 +41,15 @@ def file_of(name):
         return file.read()
 
 
-class LogTest(unittest.TestCase):
-    def setUp(self):
-        self.programs = []
-
-    def tearDown(self):
-        for program in self.programs:
-            program.end()
-
-    def start(self, ns, robot=None, srdf=None, **parameters):
+class LogTest(ProgramCase):
+    def start_node(self, ns, robot=None, srdf=None, **parameters):
         """A node of its own namespace, with these descriptions and private parameters."""
         for key, value in (("robot_description", robot), ("robot_description_semantic", srdf)):
             if value is not None:
                 rospy.set_param("/%s/%s" % (ns, key), value)
         for key, value in parameters.items():
             rospy.set_param("/%s/node/%s" % (ns, key), value)
-        self.programs.append(Program(NODE, "__name:=node", "__ns:=/" + ns))
-        return self.programs[-1]
+        return self.start(NODE, "__name:=node", "__ns:=/" + ns)
 
     def service(self, ns, name, kind):
         rospy.wait_for_service("/%s/node/%s" % (ns, name), PATIENCE)
@@ -75,7 +66,7 @@ class LogTest(unittest.TestCase):
             srdf = "<robot name='boxes'><disable_collisions link1='zz' link2='b'/></robot>"
             # As far from a name as may be meant for it (one in six letters, and one more), and further.
             misspelt = {"max_pos_age": "max_pose_age", "rat": "rate", "raeter": "rate", "mxx_pxse_xge": "max_pose_age"}
-            node = self.start("made", robot, srdf, ratio=2.0, **{name: 2.0 for name in misspelt})
+            node = self.start_node("made", robot, srdf, ratio=2.0, **{name: 2.0 for name in misspelt})
             node.wait_for("robot 'boxes': 3 links with geometry to check, 4 elements, 2 moving bodies, ready after 0.")
             node.wait_for("'c': about 50 % of the surface of mesh")
             node.wait_for("left out, no usable transform: link 'a': ")
@@ -91,7 +82,7 @@ class LogTest(unittest.TestCase):
 
     def test_descriptions_may_be_parameters_of_the_node_itself(self):
         world = "<robot name='world'>" + link("post", BOX) + "</robot>"
-        node = self.start("own", robot_description=file_of("sliding_boxes.urdf"), robot_description_semantic="<robot name='r'/>",
+        node = self.start_node("own", robot_description=file_of("sliding_boxes.urdf"), robot_description_semantic="<robot name='r'/>",
                           environment_description=world)
         node.wait_for("4 links with geometry to check")
         node.wait_for("left out, no usable transform")
@@ -117,7 +108,7 @@ class LogTest(unittest.TestCase):
         given = {}
         for name, (value, _, _) in self.RULES.items():
             given[name] = float(value) if value.strip("-.0123456789") == "" else value
-        node = self.start("refused", file_of("sliding_boxes.urdf"), **given)
+        node = self.start_node("refused", file_of("sliding_boxes.urdf"), **given)
         node.wait_for("left out, no usable transform")
         lines = node.said().split("\n")
         for name, (value, rule, default) in self.RULES.items():
@@ -137,7 +128,7 @@ class LogTest(unittest.TestCase):
         for ns, which, words in (("least", 3, {"reload": "manual", "trigger": "rate"}),
                                  ("most", 5, {"reload": "auto", "trigger": "tf"})):
             given = {name: float(self.RULES[name][1].split()[which]) for name in numbers}
-            node = self.start(ns, BARE, **words, **given)
+            node = self.start_node(ns, BARE, **words, **given)
             node.wait_for("the robot has no collision geometry")
             self.assertNotIn("must be", node.said())
             for name, value in given.items():
@@ -145,17 +136,17 @@ class LogTest(unittest.TestCase):
 
     def test_a_robot_that_leaves_nothing_to_check(self):
         words = "the robot has no collision geometry: the verdict "
-        self.start("bare", BARE).wait_for(words + "is never FREE unless ~allow_empty_scene permits it")
+        self.start_node("bare", BARE).wait_for(words + "is never FREE unless ~allow_empty_scene permits it")
         self.assertEqual(self.service("bare", "reset", Trigger)().message,
                          "the robot was reloaded; the robot has no collision geometry")
-        self.start("allowed", BARE, allow_empty_scene=True).wait_for(words + "can be FREE because of ~allow_empty_scene")
+        self.start_node("allowed", BARE, allow_empty_scene=True).wait_for(words + "can be FREE because of ~allow_empty_scene")
         status = diagnosis_of("allowed/node")
         while status.level == DiagnosticStatus.ERROR:  # until the first cycle
             status = diagnosis_of("allowed/node")
         self.assertEqual({v.key: v.value for v in status.values}["transform age [s]"], "0", "nothing is asked of TF")
 
     def test_a_description_that_is_missing_is_said_once(self):
-        node = self.start("nobody", robots=[{"description": "nowhere"}])
+        node = self.start_node("nobody", robots=[{"description": "nowhere"}])
         words = "there is no parameter nowhere; load the robot's URDF into it, for example with <param name=\"nowhere\" textfile="
         node.wait_for(words)
         rospy.sleep(2.5)  # it is looked for each 2 s
@@ -165,7 +156,7 @@ class LogTest(unittest.TestCase):
 
     def test_a_warning_beside_an_error_is_said_once_too(self):
         words = "alarm_distanc is not a parameter of this node; did you mean 'alarm_distance'?"
-        node = self.start("beside", file_of("sliding_boxes.urdf"), alarm_distanc=0.1, ignored_links=["nobody"])
+        node = self.start_node("beside", file_of("sliding_boxes.urdf"), alarm_distanc=0.1, ignored_links=["nobody"])
         node.wait_for("ignored_links names 'nobody'")
         rospy.sleep(2.5)  # it is tried each 2 s
         rospy.set_param("/beside/node/ignored_links", ["a"])
@@ -173,7 +164,7 @@ class LogTest(unittest.TestCase):
         self.assertEqual(node.said().count(words), 1)
 
     def test_a_link_that_cannot_be_read_is_said_once_a_robot(self):
-        node = self.start("broken", file_of("broken_mesh.urdf"))
+        node = self.start_node("broken", file_of("broken_mesh.urdf"))
         words = "link 'broken' is left out: "
         node.wait_for(words)
         node.wait_for("ready after")
@@ -186,7 +177,7 @@ class LogTest(unittest.TestCase):
 
     def test_descriptions_that_have_changed_are_said_once_and_a_cloud_that_is_refused_every_five_seconds(self):
         boxes = file_of("sliding_boxes.urdf")
-        cloud = self.start("cloud", boxes, clouds=[{"topic": "/cloud/points"}])
+        cloud = self.start_node("cloud", boxes, clouds=[{"topic": "/cloud/points"}])
         camera = CloudPublisher("/cloud/points", "root")
         camera.points = [(1.0, 2.0, 3.0)]
 
@@ -205,7 +196,7 @@ class LogTest(unittest.TestCase):
 
     def expect_changes_to_be_said_once(self, boxes):
         srdf = "<robot name='sliding_boxes'><disable_collisions link1='a' link2='%s'/></robot>"
-        nodes = [self.start("manual", boxes, srdf % "b"), self.start("auto", boxes, srdf % "b", reload="auto")]
+        nodes = [self.start_node("manual", boxes, srdf % "b"), self.start_node("auto", boxes, srdf % "b", reload="auto")]
         for node in nodes:
             node.wait_for("ready after")
         for ns in ("manual", "auto"):
@@ -222,7 +213,7 @@ class LogTest(unittest.TestCase):
     def test_a_reconfiguration_that_is_refused_names_the_value_and_the_reply_has_what_stays(self):
         stays = {"alarm_distance": 0.25, "rate": 40.0, "tolerance": 0.125, "time_budget": 0.5, "fidelity": "obb"}
         flags = {"verdict_only": True, "min_distance": True, "show_only_investigated_boxes": True}
-        node = self.start("set", BARE, **stays, **flags)
+        node = self.start_node("set", BARE, **stays, **flags)
         change = self.service("set", "set_parameters", Reconfigure)
         for name in ("alarm_distance", "rate", "tolerance", "time_budget", "fidelity"):
             wrong = Config()
@@ -240,7 +231,7 @@ class LogTest(unittest.TestCase):
         subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: first.extend(
             status for status in array.status
             if status.name == "counts/node: velocity limiter" and status.message != "Node starting up"))  # of diagnostic_updater
-        self.start("counts", BARE, velocity_limiter={"command": "/jog", "joints": ["a"], "deceleration": 1.0})
+        self.start_node("counts", BARE, velocity_limiter={"command": "/jog", "joints": ["a"], "deceleration": 1.0})
         wait_until(lambda: first, "a diagnosis")
         subscriber.unregister()
         self.assertEqual((first[0].level, first[0].message), (DiagnosticStatus.OK, "no commands on /jog"))
@@ -250,7 +241,7 @@ class LogTest(unittest.TestCase):
                          {"commands": "0", "overruns": "0", "longest decision [s]": "0", "scale": "0", "reason": "no command yet"})
 
     def test_a_limiter_that_cannot_be_had(self):
-        node = self.start("wrong", BARE, velocity_limiter={"joints": ["a"]})
+        node = self.start_node("wrong", BARE, velocity_limiter={"joints": ["a"]})
         node.wait_for("nothing is limited, and no command is passed: velocity_limiter has no command: the topic to limit")
         status = diagnosis_of("wrong/node: velocity limiter")
         self.assertEqual(status.level, DiagnosticStatus.ERROR)

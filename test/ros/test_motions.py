@@ -2,7 +2,6 @@
 """check_trajectory with `between`: what lies between the points of a trajectory."""
 import os
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -15,8 +14,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckTrajectory
-from node_client import JointPublisher, NodeClient
-from scene_client import SceneClient, add, add_box, clear, tetrahedron
+from scene_client import SceneCase, add, add_box, clear, tetrahedron
 
 FREE, COLLISION, UNKNOWN = CollisionPairs.FREE, CollisionPairs.COLLISION, CollisionPairs.UNKNOWN
 
@@ -33,22 +31,16 @@ def gate(y):
     return mesh
 
 
-class MotionsTest(unittest.TestCase):
+class MotionsTest(SceneCase):
     @classmethod
     def setUpClass(cls):
-        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
-        cls.node = NodeClient("/node")
-        cls.scene = SceneClient("/node")
+        super().setUpClass()
         cls.check = rospy.ServiceProxy("/node/check_trajectory", CheckTrajectory)
 
     def setUp(self):
         """Unit boxes far from each other, and a plate of 2 mm in the way of a."""
-        self.stand([0, 20, 30])
+        self.stand(0, 20, 30)
         self.scene.apply(clear(), add_box("plate", (5, 0, 0), (0.002, 2, 2)))
-
-    def stand(self, x):
-        since = self.robot.hold(x)
-        self.assertIsNotNone(self.node.report_since(since, lambda r: not r.left_out))
 
     def ask(self, xs, **fields):
         """x of a at each point."""
@@ -77,9 +69,9 @@ class MotionsTest(unittest.TestCase):
         self.assertEqual(reply.unknown_because, [])
 
     def test_joints_that_are_not_named_stand_where_tf_has_them(self):
-        self.stand([0, -5, 30])
+        self.stand(0, -5, 30)
         self.assertEqual(list(self.ask([0, -9], between=True).segment_verdict), [COLLISION])
-        self.stand([0, 20, 30])
+        self.stand(0, 20, 30)
         self.assertEqual(list(self.ask([0, -9], between=True).segment_verdict), [FREE])
 
     def test_a_pair_that_cannot_be_certified_is_named(self):

@@ -2,7 +2,6 @@
 """Requests that ask for the pairs of some links only: a group of the SRDF, names, patterns."""
 import os
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -12,8 +11,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckTrajectory
-from node_client import JointPublisher, NodeClient
-from scene_client import SceneClient, add_box, clear, remove
+from scene_client import SceneCase, add_box, clear, remove
 
 ALL = {("a", "b"), ("a", "c"), ("b", "c"), ("a", "post"), ("b", "post"), ("c", "post")}
 
@@ -22,12 +20,10 @@ def with_any(*names):
     return {pair for pair in ALL if set(pair) & set(names)}
 
 
-class RestrictedRequestsTest(unittest.TestCase):
+class RestrictedRequestsTest(SceneCase):
     @classmethod
     def setUpClass(cls):
-        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
-        cls.node = NodeClient("/node")
-        cls.scene = SceneClient("/node")
+        super().setUpClass()
         cls.check_trajectory = rospy.ServiceProxy("/node/check_trajectory", CheckTrajectory)
 
     def setUp(self):

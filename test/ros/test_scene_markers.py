@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -13,8 +12,8 @@ from dynamic_reconfigure.msg import Config, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from visualization_msgs.msg import Marker, MarkerArray
 
-from node_client import PATIENCE, JointPublisher, NodeClient
-from scene_client import SceneClient, add, add_box, clear, tetrahedron
+from node_client import PATIENCE
+from scene_client import SceneCase, add, add_box, clear, tetrahedron
 
 
 class Viewer:
@@ -58,17 +57,10 @@ UNIT = (1.0, 1.0, 1.0)
 LINKS = [("links", link, Marker.CUBE, UNIT) for link in "abc"]
 
 
-class SceneMarkersTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
-        cls.node = NodeClient("/node")
-        cls.scene = SceneClient("/node")
-
+class SceneMarkersTest(SceneCase):
     def setUp(self):
-        since = self.robot.hold([0, 3, 6])
         self.scene.apply(clear())
-        self.assertIsNotNone(self.node.report_since(since, lambda r: not r.left_out))
+        self.stand(0, 3, 6)
         self.viewer = Viewer()
 
     def tearDown(self):

@@ -5,7 +5,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -16,23 +15,20 @@ import yaml
 from std_srvs.srv import Trigger
 
 from collision_pairs.msg import Scene
-from node_client import PATIENCE, JointPublisher, NodeClient
-from scene_client import SceneClient, add_box, attach, clear, detach, move, remove, xyz_of
+from node_client import PATIENCE
+from scene_client import SceneCase, add_box, attach, clear, detach, move, remove, xyz_of
 
 
-class SceneTopicTest(unittest.TestCase):
+class SceneTopicTest(SceneCase):
     @classmethod
     def setUpClass(cls):
-        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
-        cls.node = NodeClient("/node")
-        cls.scene = SceneClient("/node")
+        super().setUpClass()
         cls.received = []
         cls.subscriber = rospy.Subscriber("/node/scene", Scene, cls.received.append)
         cls.reset = rospy.ServiceProxy("/node/reset", Trigger)
 
     def setUp(self):
-        since = self.robot.hold([0, 3, 6])
-        self.assertIsNotNone(self.node.report_since(since, lambda r: not r.left_out))
+        self.stand(0, 3, 6)
         self.scene.apply(clear(), add_box("of " + self.id()))
         self.newest(lambda scene: [listed.name for listed in scene.objects] == ["of " + self.id()])
         self.scene.apply(clear())

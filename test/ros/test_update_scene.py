@@ -3,7 +3,6 @@
 import os
 import sys
 import tempfile
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -11,8 +10,7 @@ import rospy
 import rostest
 from std_srvs.srv import Trigger
 
-from node_client import JointPublisher, NodeClient
-from scene_client import SceneClient, add, add_box, box, clear, move, remove, xyz_of
+from scene_client import SceneCase, add, add_box, attach, box, clear, move, remove, xyz_of
 
 A, B, C = 0.0, 3.0, 6.0  # where the unit boxes a, b and c stand, along x
 TOP = 0.5                # of each of them
@@ -24,13 +22,7 @@ def distances(report):
     return {(pair.first_link, pair.second_link): pair.distance for pair in report.pairs}
 
 
-class UpdateSceneTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
-        cls.node = NodeClient("/node")
-        cls.scene = SceneClient("/node")
-
+class UpdateSceneTest(SceneCase):
     def setUp(self):
         since = self.robot.hold([A, B, C])
         self.scene.apply(clear())
@@ -53,6 +45,24 @@ class UpdateSceneTest(unittest.TestCase):
         self.assertEqual([listed.name for listed in self.scene.send().objects], ["crate"])
         refused = self.scene.send(move("none", (0, 0, 0)), no_list=True)
         self.assertEqual((refused.success, refused.objects), (False, []))
+
+    def test_of_an_update_of_which_one_change_is_wrong_nothing_is_done(self):
+        """In the middle of changes that are right, each of which would be seen."""
+        before = self.scene.apply(add_box("crate", (A, 0, TOP)), add_box("tool", (B, 0, 2.0)), attach("tool", "b"))
+        late = add_box("new", frame="a")
+        late.object.header.stamp = rospy.Time.now() + rospy.Duration(100)
+        for wrong, says in ((move("tol", (0, 0, 9)), "did you mean 'tool'?"), (attach("tool", "bb"), "did you mean 'b'?"),
+                            (attach("tool", "b", touch_links=["cc"]), "touch_links"),
+                            (add_box("new", attached_link="bb", frame="bb"), "did you mean 'b'?"),
+                            (add("new", mesh_resources=["file:///nowhere/part.stl"]), "mesh_resources[0]"),
+                            (add_box("new", frame="nowhere"), "'nowhere'"), (late, "extrapolation")):
+            reply = self.scene.send(remove("crate"), add_box("other", (C, 0, 0)), wrong, move("tool", (B, 0, 9)))
+            self.assertFalse(reply.success, says)
+            for words in ("changes[2]", "'%s'" % wrong.object.name, says):
+                self.assertIn(words, reply.message)
+            self.assertEqual({listed.name: listed for listed in reply.objects}, before)
+            self.assertEqual(self.scene.apply(), before)
+            self.assertEqual(list(distances(self.checked())), [("a", "crate")])
 
     def test_a_mesh_is_what_its_file_holds_when_it_is_added(self):
         with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:

@@ -49,9 +49,7 @@ class VerdictTest(unittest.TestCase):
         self.assertIsNotNone(self.node.next(self.node.reports, lambda r: r.verdict == FREE), "not FREE at the start")
 
     def wait_for(self, verdict, *words):
-        report = self.node.next(self.node.reports, lambda r: r.verdict == verdict and
-                                all(word in " ".join(r.unknown_because) for word in words))
-        self.assertIsNotNone(report, "no report %d with %s" % (verdict, words))
+        report = self.node.wait_for(verdict, *words)
         self.assertEqual(report.in_collision, verdict != FREE)
         self.assertEqual(bool(report.unknown_because), verdict == UNKNOWN)
         return report

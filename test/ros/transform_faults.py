@@ -9,10 +9,10 @@ ELSEWHERE = 100.0  # m between boxes of messages with a fault: what is wrong mus
 PERIOD = 0.02      # s
 
 
-def box_at(name, x):
+def box_at(name, x, stamp=None):
     transform = TransformStamped()
     transform.header.frame_id, transform.child_frame_id = "root", name
-    transform.header.stamp = rospy.Time.now()
+    transform.header.stamp = rospy.Time.now() if stamp is None else stamp
     transform.transform.translation.x, transform.transform.rotation.w = x, 1.0
     return transform
 
@@ -42,12 +42,11 @@ class BoxPublisher:
             kind = fault.get(name)
             if kind == "silent":
                 continue
-            transform = TransformStamped()
-            transform.header.frame_id, transform.child_frame_id = "root", name
-            transform.header.stamp = now + rospy.Duration(2.0 if kind == "two_seconds_ahead" else 0.0)
+            stamp = now + rospy.Duration(2.0 if kind == "two_seconds_ahead" else 0.0)
             if kind == "last_stamp":
-                transform.header.stamp = rospy.Time(2**32 - 1, 999999999)
-            transform.transform.translation.x = ELSEWHERE * (i + 1) if kind else x[name]
-            transform.transform.rotation.w = float("nan") if kind == "nan" else 1.0
+                stamp = rospy.Time(2**32 - 1, 999999999)
+            transform = box_at(name, ELSEWHERE * (i + 1) if kind else x[name], stamp)
+            if kind == "nan":
+                transform.transform.rotation.w = float("nan")
             message.transforms.append(transform)
         self._publisher.publish(message)
