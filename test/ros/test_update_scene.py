@@ -51,14 +51,15 @@ class UpdateSceneTest(SceneCase):
         before = self.scene.apply(add_box("crate", (A, 0, TOP)), add_box("tool", (B, 0, 2.0)), attach("tool", "b"))
         late = add_box("new", frame="a")
         late.object.header.stamp = rospy.Time.now() + rospy.Duration(100)
-        for wrong, says in ((move("tol", (0, 0, 9)), "did you mean 'tool'?"), (attach("tool", "bb"), "did you mean 'b'?"),
-                            (attach("tool", "b", touch_links=["cc"]), "touch_links"),
-                            (add_box("new", attached_link="bb", frame="bb"), "did you mean 'b'?"),
-                            (add("new", mesh_resources=["file:///nowhere/part.stl"]), "mesh_resources[0]"),
-                            (add_box("new", frame="nowhere"), "'nowhere'"), (late, "extrapolation")):
+        for wrong, *says in ((move("tol", (0, 0, 9)), "changes[2]", "did you mean 'tool'?"),
+                             (attach("tool", "bb"), "did you mean 'b'?"),
+                             (attach("tool", "b", touch_links=["cc"]), "touch_links", "did you mean 'c'?"),
+                             (add_box("new", attached_link="bb", frame="bb"), "did you mean 'b'?"),
+                             (add("new", mesh_resources=["file:///nowhere/part.stl"]), "mesh_resources[0]"),
+                             (add_box("new", frame="nowhere"), "changes[2]", "'nowhere'"), (late, "changes[2]", "extrapolation")):
             reply = self.scene.send(remove("crate"), add_box("other", (C, 0, 0)), wrong, move("tool", (B, 0, 9)))
             self.assertFalse(reply.success, says)
-            for words in ("changes[2]", "'%s'" % wrong.object.name, says):
+            for words in ["'%s'" % wrong.object.name] + says:
                 self.assertIn(words, reply.message)
             self.assertEqual({listed.name: listed for listed in reply.objects}, before)
             self.assertEqual(self.scene.apply(), before)
