@@ -104,6 +104,29 @@ TEST_F(TrajectoryOfTwo, IsReachedWithinTheReactionTime) {
   EXPECT_EQ(zeros.time_from_start, ros::Duration(0.01));
 }
 
+// A controller that begins a ramp with each point, and gets one every 20 ms, slows down more and
+// more slowly; but on the way that it has in the reaction time at its velocity.
+TEST_F(TrajectoryOfTwo, ZerosThatRepeatStopTheRobotOnTheWayOfTheReactionTime) {
+  constexpr double PERIOD = 0.02, VELOCITY = 0.5, STEP = 0.001;
+  parameters_.law.reaction_time = 0.1;
+  decision_ = {};
+  decision_.command = {0.0, 0.0};
+  for (const double given : {-1.0, 0.0, 0.03, 0.1, 0.11, 1.0}) {
+    command_.points[0].time_from_start = ros::Duration(given);
+    const double ramp = passed().points[0].time_from_start.toSec();
+    double velocity = VELOCITY, way = 0.0;
+    for (int period = 0; period < 500; ++period) {
+      const double rate = velocity / ramp;
+      for (double t = 0.0; t < PERIOD - 1e-9; t += STEP) {
+        way += STEP * velocity;
+        velocity = std::max(0.0, velocity - STEP * rate);
+      }
+    }
+    EXPECT_LT(velocity, 1e-6) << given;
+    EXPECT_LE(way, VELOCITY * (parameters_.law.reaction_time + STEP)) << given;
+  }
+}
+
 // A controller would go there in the time of a stop, from wherever the robot is now.
 TEST_F(TrajectoryOfTwo, HasNoPositionsWhereTheRobotMayNoLongerBe) {
   for (const double scale : {0.0, 0.5}) {

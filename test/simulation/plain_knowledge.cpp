@@ -104,6 +104,14 @@ std::optional<Pose> Knowledge::moving(const Told& told, Ns stamp) const {
   return between(before->second, after->second, seconds(stamp - before->first) / gap);
 }
 
+bool Knowledge::isNamed(int link) const {
+  if (link >= 0 && told(link).is_heard) return true;
+  for (std::size_t i = 0; i < told_.size(); ++i) {
+    if (setup_.links[i].parent == link && told_[i].is_heard) return true;
+  }
+  return false;
+}
+
 bool Knowledge::isCycle(Ns stamp) const {
   const double lasts = std::min(5.0, setup_.max_pose_age > 0.0 ? setup_.max_pose_age : 5.0) - 1e-6;
   const auto wasHeard = [&](const auto& stamps, auto stampOf) {

@@ -128,6 +128,8 @@ class Knowledge {
   /// Without a limit of the age no node that was heard ever counts as silent: a frame on /tf and
   /// /tf_static stays ambiguous, and a cycle stays.
   bool isAmbiguousForEver() const { return is_ambiguous_for_ever_; }
+  /// Whether TF has a frame of that name, as far as the truth was told.
+  bool isNamed(int link) const;
   const Told& told(int link) const { return told_[static_cast<std::size_t>(link)]; }
   bool isLiedAbout(int link) const {
     for (const int i : setup_.pathTo(link)) {

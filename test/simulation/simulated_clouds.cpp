@@ -32,7 +32,8 @@ void SimulatedNode::sendCloud(const Event& event) {
                              knowledge_.pass(), publisher});
   }
   const int what = event.what == EMPTY && event.other % 2 == 1 ? MALFORMED : event.what;
-  const Ns stamp = what == WITHOUT_STAMP ? 0 : stampOf(event.lag);
+  const bool is_ahead = event.what == 7 && event.number < -0.5;  // by more than the tolerance
+  const Ns stamp = what == WITHOUT_STAMP ? 0 : stampOf(is_ahead ? -0.8 : event.lag);
   const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
   const Pose X_CW = inverse(X_WL.value_or(Pose()) * X_LC_);
   std::vector<Pose> points;

@@ -280,7 +280,9 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
     }
     // Of joints it takes what is newest of each: that may be suspect where older poses are not.
     try {
-      requireSharedReasons(snapshot, monitor_.withMeasured(snapshot.scene, {}), "the limiter");
+      const Snapshot limited = monitor_.withMeasured(snapshot.scene, {});
+      requireSharedReasons(snapshot, limited, "the limiter");
+      judgeLagging(limited);
     } catch (const InputError&) {
     }
     if (verdict == Verdict::UNKNOWN) return;

@@ -149,6 +149,8 @@ class SimulatedNode {
   void judgeRefusals(const Snapshot& snapshot);
   void judgeReasons(const Snapshot& snapshot);
   void judgeLeftOut(const Snapshot& snapshot);
+  void judgeWords(const std::string& reason);
+  void judgeLagging(const Snapshot& limited);
   bool isGeometryMissing() const;
   void judgeFree(const Snapshot& snapshot);
   void judgeBodies(const Snapshot& snapshot, bool is_newest = false);

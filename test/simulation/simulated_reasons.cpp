@@ -94,6 +94,18 @@ void SimulatedNode::judgeRefusals(const Snapshot& snapshot) {
   }
 }
 
+/// Who is named is who it was.
+void SimulatedNode::judgeWords(const std::string& reason) {
+  for (int link = -1; link < static_cast<int>(setup_.links.size()); ++link) {
+    const bool has_none = reason.find("TF has no frame '" + linkName(link) + "'") != reason.npos;
+    if (has_none && knowledge_.isNamed(link)) fail("it has one: " + reason);
+  }
+  const std::size_t end = reason.find(" both publish it"), middle = reason.find(" and '");
+  if (end == reason.npos || middle > end) return;
+  const std::string second = reason.substr(middle + 5, end - middle - 5);
+  if (reason.find(second) < middle) fail("that is one node: " + reason);
+}
+
 /// What is said to be old is old, whose clock is said to stand stands, and so on.
 void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
   const double rounding = 0.02;  // s: ages are said with two digits
@@ -110,6 +122,7 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
       fail("it could: " + reason);
     is_of_cloud = is_of_cloud || begins("cloud '");
     if (reason.empty() || reason.back() == ' ') fail("a reason has no end: " + reason);
+    judgeWords(reason);
     if (begins("refused ") && snapshot.first_left_out.empty()) fail("it matters not: " + reason);
     const bool is_of_frame = begins("link '") || begins("refused ");
     const bool is_of_rest = begins("use_sim_time") || begins("geometry") || begins("cloud '");

@@ -103,6 +103,7 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
       }
       at.push_back(is_placed ? std::optional<Pose>(X_PB) : std::nullopt);
     }
+    for (const std::string& reason : asked.poses.unknown_because) judgeWords(reason);
     if (can_age && knowledge_.isClockSuspect() && asked.poses.unknown_because.empty()) {
       fail("a request does not know that the clock stands still");
     }
@@ -138,6 +139,31 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
       }
     }
   } catch (const InputError&) {
+  }
+}
+
+/// The limiter takes the newest position of each joint: one that is behind the others is suspect.
+void SimulatedNode::judgeLagging(const Snapshot& limited) {
+  if (!limited.poses.unknown_because.empty()) return;
+  std::vector<Ns> newest;
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
+    const bool is_checked = limited.scene->scene->findModel(linkName(i)) >= 0;
+    const Told& told = knowledge_.told(i);
+    const bool stands = link.joint == SimulatedLink::FIXED || told.is_static || !told.is_settled;
+    if (!is_checked || stands || setup_.isBase(i) || knowledge_.isLiedAbout(i)) continue;
+    const auto ahead = told.samples.upper_bound(ros_);
+    const bool has_reached = ahead != told.samples.begin();
+    // Of a node whose clock is ahead, the first that is.
+    const bool is_old = has_reached && knowledge_.isTooOld(std::prev(ahead)->first, ros_);
+    if (has_reached && !(is_old && ahead != told.samples.end())) {
+      newest.push_back(std::prev(ahead)->first);
+    }
+  }
+  if (newest.empty() || knowledge_.isAmbiguousForEver()) return;
+  const auto [oldest, last] = std::minmax_element(newest.begin(), newest.end());
+  if (seconds(*last - *oldest) > setup_.max_transform_age + 1e-6) {
+    fail("the limiter does not know that a joint is behind the others");
   }
 }
 
