@@ -63,8 +63,20 @@ double SimulatedLimiter::upper() const {
   return latest() + most;
 }
 
+/// Commands have an effect for as long as the robot takes, and zeros follow after a while, whatever
+/// happens to the clock: the law's time is that of the wall, or goes on with a simulated clock.
+void SimulatedLimiter::judgeTime(const CommandOutlet::Time& time, double gone) {
+  const bool is_first = !is_clock_known_;
+  if (!is_first && std::abs(time.law - law_ - gone) > ROUNDING) {
+    wrong_time_ = "the law's time goes on by another span than what has passed";
+  }
+  if (!is_first && time.latest < latest_law_) wrong_time_ = "the law's latest time goes back";
+  law_ = time.law;
+  latest_law_ = time.latest;
+}
+
 void SimulatedLimiter::advance(Ns ros, double steady, unsigned nb_jumps) {
-  const double now = seconds(ros);
+  const double now = seconds(ros), steady_before = clocks_.steady;
   if (now < clock_ - SET_BACK || nb_jumps != clocks_.nb_jumps) {
     newest_.clear();
     refused_.clear();
@@ -74,10 +86,11 @@ void SimulatedLimiter::advance(Ns ros, double steady, unsigned nb_jumps) {
   if (setup_.is_simulated && is_clock_known_ && now > latest() && now - latest() < 0.5) {
     lags_.emplace_back(steady, now - latest());
   }
-  is_clock_known_ = true;
+  const double gone = setup_.is_simulated ? std::max(0.0, now - clock_) : steady - steady_before;
   clock_ = std::max(clock_, now);
   clocks_ = {now, steady, nb_jumps};
-  inputs_.follow(clocks_);
+  judgeTime(inputs_.follow(clocks_), gone);
+  is_clock_known_ = true;
   if (latest() != last_latest_) last_step_ = steady;
   last_latest_ = latest();
 }
@@ -140,6 +153,7 @@ std::optional<Pose> SimulatedLimiter::poseOf(int link) const {
 
 std::string SimulatedLimiter::violation(const Monitor& monitor) {
   const LimiterInputs::Moment moment = inputs_.at(clocks_, LATER);
+  if (!wrong_time_.empty()) return wrong_time_;
   LimiterInput input;
   RobotState state;
   problem_ = whySuspect();

@@ -34,6 +34,7 @@ class SimulatedLimiter {
     Ns stamp = 0;
     double measured = 0.0, value = 0.0;
   };
+  void judgeTime(const collision_pairs::CommandOutlet::Time& time, double gone);
   double latest() const;
   /// What the clock may have been behind.
   double upper() const;
@@ -51,6 +52,8 @@ class SimulatedLimiter {
   bool is_clock_known_ = false;
   std::vector<std::pair<double, double>> lags_;  ///< when, and by how much it was seen to be behind
   double last_latest_ = 0.0, last_step_ = 0.0;
+  double law_ = 0.0, latest_law_ = 0.0;  ///< s of the law's time: has passed, and may have
+  std::string wrong_time_;
   std::string problem_;
 };
 
