@@ -23,6 +23,8 @@ struct SimulatedLink {
   bool is_listed = false;   ///< … as static_joints allows
   bool is_relayed = false;  ///< a second node says the same of it
   bool is_double = false;   ///< there is a second ball in the first
+  int hung_by = -1;         ///< link that is fixed to it, by whose frame TF hangs both; -1: its own
+  bool is_led_away = false;  ///< its own frame hangs on one that nothing connects, on /tf_static
 };
 
 inline std::string linkName(int link) {
@@ -50,7 +52,15 @@ struct Scenario {
   /// Reports are in a frame of TF that is no link. Links without a parent hang in it, each the root
   /// of a robot of its own.
   bool is_apart = false;
-  int fixed_frame = -1;  ///< W: a link; -1: the root
+  int fixed_frame = -1;    ///< W: a link; -1: the root
+  bool is_marked = false;  ///< … or a frame that is no link, which /tf_static has in its place
+  std::string frame() const { return is_marked ? "mark" : linkName(fixed_frame); }
+  const SimulatedLink& of(int link) const { return links[static_cast<std::size_t>(link)]; }
+  /// Of TF, which places the link in its parent; and where that frame is in the link.
+  std::string hungFrame(int link) const {
+    return linkName(of(link).hung_by < 0 ? link : of(link).hung_by);
+  }
+  Pose inHung(int link) const { return of(link).hung_by < 0 ? Pose() : of(of(link).hung_by).X_PJ; }
 
   /// Links whose joints lie between a link and W: up from the link, and up from W.
   struct Path {
@@ -83,16 +93,19 @@ struct Scenario {
   }
 
   std::string text() const {
-    std::string all = "W " + linkName(fixed_frame) + ", ages " + std::to_string(max_pose_age) +
-                      " " + std::to_string(max_transform_age);
+    std::string all = "W " + linkName(fixed_frame) + (is_marked ? " marked" : "") + ", ages " +
+                      std::to_string(max_pose_age) + " " + std::to_string(max_transform_age);
     if (is_simulated) all += ", simulated";
     if (is_apart) all += ", apart";
     if (has_cloud) all += ", camera on " + linkName(camera_on);
+    all += ", cycles through " + linkName(cycle_through);
     for (int i = 0; i < static_cast<int>(links.size()); ++i) {
       const SimulatedLink& link = links[static_cast<std::size_t>(i)];
       const char* const joints[] = {"floats", "slides", "turns", "fixed"};
       all += "\n" + linkName(i) + " on " + linkName(link.parent) + ", " + joints[link.joint] +
-             (link.is_static ? ", static" : "") + (link.is_listed ? ", listed" : "");
+             (link.is_static ? ", static" : "") + (link.is_listed ? ", listed" : "") +
+             (link.hung_by < 0 ? "" : ", hung by " + linkName(link.hung_by)) +
+             (link.is_led_away ? ", led away" : "");
     }
     return all + '\n';
   }
@@ -188,6 +201,8 @@ class Generator {
     made.is_mast_listed = integer(2) == 0;
     made.has_other_camera = integer(4) == 0;
     if (integer(4) == 0) made.fixed_frame = integer(nb_links);
+    made.is_marked = integer(6) == 0;
+    if (integer(6) == 0) addHungByAnother(made);
     made.findPaths();
     return made;
   }
@@ -260,6 +275,26 @@ class Generator {
   }
 
  private:
+  /// A link that slides, and two that are fixed to it, by one of which TF hangs all.
+  void addHungByAnother(Scenario& made) {
+    const int first = static_cast<int>(made.links.size());
+    for (int i = first; i < first + 3; ++i) {
+      SimulatedLink link;
+      const int lowest = made.is_apart ? 0 : -1;
+      link.parent = i == first ? lowest + integer(first - lowest) : first;
+      link.joint = i == first ? SimulatedLink::SLIDING : SimulatedLink::FIXED;
+      link.X_PJ = {0.0, std::pow(2.0, i), 0.0, 0.0};
+      link.radius = 0.2 + 0.25 * real();
+      link.is_listed = integer(6) != 0;
+      made.links.push_back(link);
+    }
+    SimulatedLink& hung = made.links[static_cast<std::size_t>(first)];
+    hung.hung_by = first + 1;
+    hung.is_static = integer(8) == 0;
+    hung.is_led_away = made.fixed_frame < 0 && integer(2) == 0;
+    if (integer(2) == 0) made.cycle_through = first + 2;
+  }
+
   int integer(int below) { return static_cast<int>(random_() % static_cast<unsigned>(below)); }
   double real() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
   Pose anywhere(double spread) {

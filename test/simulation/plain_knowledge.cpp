@@ -120,8 +120,12 @@ bool Knowledge::isCycle(Ns stamp) const {
   };
   if (!wasHeard(root_lies_, [](Ns lie) { return lie; })) return false;
   int nb_moving = 0;
+  bool is_by_its_frame = true;
   for (int link = setup_.cycle_through; link >= 0; link = of(link).parent) {
-    if (of(link).joint == SimulatedLink::FIXED) continue;
+    const bool is_fixed = of(link).joint == SimulatedLink::FIXED;
+    if (of(link).is_led_away && is_by_its_frame) return false;
+    is_by_its_frame = !is_fixed;
+    if (is_fixed) continue;
     const Told& told = this->told(link);
     if (told.is_lied_about || !told.is_settled) return false;
     ++nb_moving;

@@ -113,6 +113,9 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
     }
     if (!is_known || knowledge_.isLiedAbout(link, stamp)) continue;
     if (knowledge_.isHeld(link)) fail("only /tf_static places " + linkName(link));
+    if (setup_.fixed_frame < 0 && knowledge_.isCycle(stamp)) {
+      fail(linkName(link) + " is known, but the root hangs on itself");
+    }
     if (knowledge_.isSuspect(link, stamp)) fail(linkName(link) + " is known, but suspect");
     const bool are_all_wanted = settings_.ignored.empty() && setup_.fixed_frame < 0;
     if (are_all_wanted && is_newest && !snapshot.is_static && knowledge_.isBehind(stamp)) {
@@ -128,7 +131,8 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
   for (std::size_t i = 0; i < scene.bodies().size(); ++i) {
     const bool is_known = snapshot.poses.known[i] != 0;
     are_all_known = are_all_known && is_known;
-    if (scene.bodies()[i].link == linkName(bodyOf(setup_.fixed_frame))) continue;
+    const bool is_of_frame = scene.bodies()[i].link == linkName(bodyOf(setup_.fixed_frame));
+    if (is_of_frame && !setup_.is_marked) continue;
     ++nb_asked;
     nb_found += is_known ? 1 : 0;
   }

@@ -85,6 +85,12 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
     limiter_.emplace(setup_, knowledge_);
   }
   advance(0.0);
+  if (setup_.is_marked) {
+    publish(linkName(setup_.fixed_frame), setup_.frame(), 0, Pose(), "mark", true);
+  }
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    if (setup_.of(i).is_led_away) publish("elsewhere", linkName(i), 0, X_PM, "mount", true);
+  }
   load(monitor_, parameters(settings_));
   ++revision_;
 }
@@ -92,7 +98,8 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
 SceneParameters SimulatedNode::parameters(const PlainSettings& wanted) const {
   SceneParameters made;
   if (!setup_.is_apart) made = parametersOf(urdfOf(setup_, wanted.broken, -1));
-  if (setup_.is_apart || setup_.fixed_frame >= 0) made.fixed_frame = linkName(setup_.fixed_frame);
+  const bool is_root = !setup_.is_apart && !setup_.is_marked && setup_.fixed_frame < 0;
+  if (!is_root) made.fixed_frame = setup_.frame();
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     if (!setup_.isBase(i)) continue;
     auto robots = std::move(parametersOf(urdfOf(setup_, wanted.broken, i)).sources.robots);
@@ -184,8 +191,8 @@ void SimulatedNode::publish(int link, const std::string& publisher) {
   const auto& [stamp, X_PB] = last_[static_cast<std::size_t>(link)];
   const bool stands = stands_[static_cast<std::size_t>(link)];
   const bool is_rehung = X_PB.is_rehung;
-  publish(is_rehung ? mountName(of.parent) : linkName(of.parent), linkName(link), stamp,
-          (is_rehung ? inverse(X_PM) : Pose()) * X_PB, publisher, stands);
+  publish(is_rehung ? mountName(of.parent) : linkName(of.parent), setup_.hungFrame(link), stamp,
+          (is_rehung ? inverse(X_PM) : Pose()) * X_PB * setup_.inHung(link), publisher, stands);
   const bool is_new = knowledge_.told(link).samples.count(stamp) == 0;
   knowledge_.hear(link, stamp, X_PB, stands, publisher);
   noteHeard(link, stamp, is_new);
@@ -202,7 +209,8 @@ void SimulatedNode::lie(const Event& event) {
   if (of.joint == SimulatedLink::FIXED) return;
   std::string parent = linkName(of.parent);
   if (event.what == 4) stamp = last_[static_cast<std::size_t>(event.who)].first;
-  const bool is_other = event.other != event.who && event.other != of.parent;
+  const bool is_other = event.other != event.who && event.other != of.parent &&
+                        linkName(event.other) != setup_.hungFrame(event.who);
   if (event.what == 2) parent = is_other ? linkName(event.other) : "nowhere";
   const std::string publisher = "liar" + std::to_string(event.other % 2);
   // In another parent it may have the same numbers.
@@ -210,14 +218,16 @@ void SimulatedNode::lie(const Event& event) {
   Pose X_PB =
       is_same || is_near ? Pose(last_[static_cast<std::size_t>(event.who)].second) : elsewhere;
   if (is_near) X_PB.x += event.number;
-  publish(parent, linkName(event.who), stamp, X_PB, publisher, event.what == 1);
+  publish(parent, setup_.hungFrame(event.who), stamp, X_PB * setup_.inHung(event.who), publisher,
+          event.what == 1);
   knowledge_.hearLie(event.who, {stamp, X_PB, event.what == 2}, event.what == 1);
   refusals_.erase(event.who);
 }
 
 void SimulatedNode::publishBroken(const Event& event) {
   const int parent = setup_.links[static_cast<std::size_t>(event.who)].parent;
-  tf2_msgs::TFMessage tf = transformOf(linkName(parent), linkName(event.who), ros::Time(), 1000.0);
+  tf2_msgs::TFMessage tf =
+      transformOf(linkName(parent), setup_.hungFrame(event.who), ros::Time(), 1000.0);
   auto& transform = tf.transforms[0];
   const char* const words[] = {"not finite", "not finite",   "its quaternion is of length",
                                "is zero",    "ahead of the", "ahead of the",

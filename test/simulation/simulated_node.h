@@ -140,6 +140,7 @@ class SimulatedNode {
   void requestReplaced();
   void requireRefusal(const std::vector<std::string>& words, const std::function<void()>& attempt);
   void requestWrong();
+  void requestInCycle();
   void requestWrongScenes();
   void judgeListed(const collision_pairs::Scene& message);
 

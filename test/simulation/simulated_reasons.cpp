@@ -74,7 +74,7 @@ void SimulatedNode::judgeRefusals(const Snapshot& snapshot) {
   for (const auto& [link, refusal] : refusals_) {
     const double age = steady_ - refusal.second;
     if (std::abs(age - REFUSAL_SHOWN) < 1e-6) continue;
-    const std::string begin = "transform of '" + linkName(link) + "': ";
+    const std::string begin = "transform of '" + setup_.hungFrame(link) + "': ";
     const auto line = std::find_if(refused.begin(), refused.end(), [&](const std::string& each) {
       return each.rfind(begin, 0) == 0;
     });

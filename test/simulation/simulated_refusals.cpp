@@ -62,8 +62,8 @@ void SimulatedNode::requestWrong() {
   refuses({changeOf(SceneChange::ADD, "x", "l99")}, {"'l99' is not a link"});
   SceneChange lost = add;
   lost.object.header.frame_id = "unheard";
-  refuses({lost}, {"TF does not know 'unheard' in '" + linkName(setup_.fixed_frame) + "'",
-                   ros_ == 0 ? NO_CLOCK : ""});
+  refuses({lost},
+          {"TF does not know 'unheard' in '" + setup_.frame() + "'", ros_ == 0 ? NO_CLOCK : ""});
   // No change makes no other scene.
   SceneJob same = monitor_.scenes().update({}, {});
   same.run();
@@ -71,6 +71,21 @@ void SimulatedNode::requestWrong() {
     fail("no change makes another scene");
   }
   requestWrongScenes();
+}
+
+/// Where the root hangs on itself, nothing else has a place.
+void SimulatedNode::requestInCycle() {
+  if (setup_.fixed_frame >= 0 || !knowledge_.isCycle(ros_)) return;
+  std::vector<std::string> frames;
+  if (is_camera_told_) frames.push_back("camera");
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) frames.push_back(linkName(i));
+  for (const std::string& frame : frames) {
+    SceneChange change = changeOf(SceneChange::ADD, "x", "");
+    change.object.header.frame_id = frame;
+    requireRefusal({"TF does not know '" + frame + "'", "form a cycle"}, [&] {
+      monitor_.scenes().update({change}, readAdded({change}, noMeshLoader()));
+    });
+  }
 }
 
 void SimulatedNode::requestWrongScenes() {
@@ -91,15 +106,14 @@ void SimulatedNode::requestWrongScenes() {
   if (standing == objects_.end()) {
     job.run();
   } else {
-    requireRefusal({"is fixed in frame '" + linkName(setup_.fixed_frame) + "'", "'elsewhere'"},
+    requireRefusal({"is fixed in frame '" + setup_.frame() + "'", "'elsewhere'"},
                    [&] { job.run(); });
   }
 }
 
 /// It says what is there.
 void SimulatedNode::judgeListed(const Scene& message) {
-  if (message.header.frame_id != linkName(setup_.fixed_frame))
-    fail("a scene's message has another frame");
+  if (message.header.frame_id != setup_.frame()) fail("a scene's message has another frame");
   if (message.objects.size() != objects_.size()) return fail("a scene's message has others");
   for (const SceneObject& said : message.objects) {
     const auto known = objects_.find(said.name);
@@ -109,8 +123,7 @@ void SimulatedNode::judgeListed(const Scene& message) {
     const Eigen::Vector3d p(object.X_PO.x, object.X_PO.y, object.X_PO.z);
     const auto& at = said.pose.position;
     const bool is_there = (Eigen::Vector3d(at.x, at.y, at.z) - p).norm() < 1e-5;
-    const bool is_in_frame =
-        said.header.frame_id == (link.empty() ? linkName(setup_.fixed_frame) : link);
+    const bool is_in_frame = said.header.frame_id == (link.empty() ? setup_.frame() : link);
     if (said.attached_link != link || !is_in_frame || !is_there || said.primitives.size() != 1 ||
         said.touch_links.size() != object.touches.size() + object.touched_objects.size()) {
       fail("a scene's message has " + said.name + " elsewhere");

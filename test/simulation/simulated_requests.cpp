@@ -8,6 +8,7 @@ namespace simulation {
 void SimulatedNode::request(const Event& event) {
   const double reach = event.other == 0 ? 5e9 : 1.5e9;
   const Ns stamp = ros_ + static_cast<Ns>(reach * event.number);
+  requestInCycle();
   switch (event.what % 4) {
     case 0:
       if (stamp > 0 && stamp != ros_) requestAt(stamp);
