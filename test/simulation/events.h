@@ -223,7 +223,7 @@ class Generator {
     }
     // One that changes between /tf and /tf_static again and again; -1: any does, now and then.
     const int switching = integer(8) == 0 ? integer(static_cast<int>(setup.links.size())) : -1;
-    if (switching >= 0) weights[Event::SWITCH] = 3;
+    if (switching >= 0) weights[Event::SWITCH] = integer(2) == 0 ? 3 : 8;
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
     const bool has_cycles = integer(8) == 0;
     if (has_cycles) weights[Event::LIE] *= 8;

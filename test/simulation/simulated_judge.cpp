@@ -113,9 +113,8 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
     }
     if (!is_known || knowledge_.isLiedAbout(link, stamp)) continue;
     if (knowledge_.isHeld(link)) fail("only /tf_static places " + linkName(link));
-    if (setup_.fixed_frame < 0 && knowledge_.isCycle(stamp)) {
-      fail(linkName(link) + " is known, but the root hangs on itself");
-    }
+    const bool is_cycle = setup_.fixed_frame < 0 && knowledge_.isCycle(stamp);
+    if (is_cycle) fail("the root hangs on itself, but known is " + linkName(link));
     if (knowledge_.isSuspect(link, stamp)) fail(linkName(link) + " is known, but suspect");
     const bool are_all_wanted = settings_.ignored.empty() && setup_.fixed_frame < 0;
     if (are_all_wanted && is_newest && !snapshot.is_static && knowledge_.isBehind(stamp)) {
@@ -131,8 +130,8 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
   for (std::size_t i = 0; i < scene.bodies().size(); ++i) {
     const bool is_known = snapshot.poses.known[i] != 0;
     are_all_known = are_all_known && is_known;
-    const bool is_of_frame = scene.bodies()[i].link == linkName(bodyOf(setup_.fixed_frame));
-    if (is_of_frame && !setup_.is_marked) continue;
+    const std::string of_frame = linkName(bodyOf(setup_.fixed_frame));
+    if (scene.bodies()[i].link == of_frame && !setup_.is_marked) continue;
     ++nb_asked;
     nb_found += is_known ? 1 : 0;
   }
@@ -392,6 +391,12 @@ void SimulatedNode::recover(double duration) {
   if (checks && limiter_ && !limiter_->problem().empty()) {
     fail("everything is sound, but the limiter stands: " + limiter_->problem());
   }
+  if (!setup_.is_simulated) return;
+  speed_ = 0.0;
+  Event stands;  // all that can age is suspect, also for a request of all joints
+  stands.dt = setup_.max_pose_age + 0.1;
+  happen(stands);
+  requestJoints(stands, 0);
 }
 
 }  // namespace simulation

@@ -76,6 +76,9 @@ bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
     return !told.is_static && knowledge_.isDisturbed(told, newest, newest);
   };
   const Scenario::Path& path = setup_.pathTo(question.link);
+  // It is asked for from the link, from where TF leads elsewhere.
+  const auto isLedAway = [&](int link) { return setup_.of(link).is_led_away; };
+  if (std::any_of(path.begin(), path.end(), isLedAway)) return false;
   if (stamp == 0 && knowledge_.isPoseOpen(question.link)) return false;
   if (stamp == 0 && std::any_of(path.begin(), path.end(), isDisturbedNow)) return false;
   if (stamp == 0) stamp = newestStampOf(question.link, ros_);
