@@ -58,7 +58,11 @@ class Objects {
     return links[random_.integer(0, 4)];  // the last of either robot need not be there
   }
 
+  /// Each object once.
   static const RigidObject& changed(SceneChanges& changes, const RigidObject& object) {
+    for (RigidObject& given : changes.objects) {
+      if (given.name == object.name) return given = object;
+    }
     changes.objects.push_back(object);
     return object;
   }

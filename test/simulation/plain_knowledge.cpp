@@ -105,9 +105,9 @@ std::optional<Pose> Knowledge::moving(const Told& told, Ns stamp) const {
 }
 
 bool Knowledge::isNamed(int link) const {
-  if (link >= 0 && told(link).is_heard) return true;
-  for (std::size_t i = 0; i < told_.size(); ++i) {
-    if (setup_.links[i].parent == link && told_[i].is_heard) return true;
+  for (int i = 0; i < static_cast<int>(told_.size()); ++i) {
+    const bool is_end = of(i).parent == link || setup_.hungFrame(i) == linkName(link);
+    if (is_end && told(i).is_heard) return true;
   }
   return false;
 }

@@ -183,4 +183,21 @@ void SimulatedNode::judgeLeftOut(const Snapshot& snapshot) {
   }
 }
 
+/// What is suspect whatever the instant of the poses.
+void SimulatedNode::requireSharedReasons(const Snapshot& cycle, const Snapshot& other,
+                                         const std::string& whose) {
+  // A joint that TF lacks at the request's stamp is at zero, which cannot age.
+  const bool is_at_zero =
+      other.joints->jointsFromTf().empty() && !other.joints->jointsAtZero().empty();
+  for (const std::string& reason : cycle.poses.unknown_because) {
+    const bool is_of_cloud = reason.rfind("cloud '", 0) == 0;
+    const bool is_of_clock = reason.rfind("use_sim_time", 0) == 0;
+    const auto& others = other.poses.unknown_because;
+    const bool is_shared = std::find(others.begin(), others.end(), reason) != others.end();
+    const bool can_age = whose == "the limiter" || (!cycle.is_static && !is_at_zero);
+    const bool must_be = is_of_cloud || (is_of_clock && can_age);
+    if (must_be && !is_shared) fail(whose + " does not know that " + reason);
+  }
+}
+
 }  // namespace simulation

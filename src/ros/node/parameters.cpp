@@ -66,7 +66,8 @@ class Reader {
   void oneOf(const std::string& name, const std::vector<std::string>& words,
              std::string& value) const {
     read(name, value, [&](const std::string& key, const YAML::Node& given) {
-      const std::string rule = "one of " + joined(words), text = textOf(key, given, rule);
+      const std::string rule = joined({words.begin(), words.end() - 1}) + " or " + words.back();
+      const std::string text = textOf(key, given, rule);
       if (!contains(words, text)) refuseValue(key, given, rule);
       return text;
     });

@@ -20,6 +20,7 @@ namespace {
 constexpr double SLOPE_MARGIN = 0.05, DEAD_TIME_MARGIN = 0.05, DEAD_TIME_EXTRA = 0.005;
 constexpr double LEAST_WAY = 1e-3;  // rad or m: less is not worth a slower limiter
 constexpr double LEAST_DRIFT = 1e-3;
+constexpr double MUCH_FURTHER = 0.25;  // share of the way of a change
 constexpr double OLDEST_STATE = 0.08;  // s: max_joint_state_age, but for the time of a decision
 constexpr std::size_t LEAST_STOPS = 4;
 constexpr double TWO_SPEEDS = 1.5;     // ratio
@@ -229,20 +230,27 @@ void lowerDeceleration(JointStopping& found, double reaction_time) {
   }
 }
 
-/// What was not measured to its end must not go further either.
-void requireCovered(const JointStopping& found, double reaction_time) {
-  const double allowed = std::max(found.outside, allowedWay(found.joint));
+/// What was not measured to its end must not go much further than it says: a slow joint comes to
+/// the end of few steps.
+void judgeUnfinished(const JointStopping& found, double reaction_time,
+                     std::vector<std::string>& warnings) {
+  const StoppingStep* worst = nullptr;
+  double most = std::max(found.outside, allowedWay(found.joint));
   for (const StoppingStep& step : found.joint.unfinished) {
     const double outside = outsideOf(step, found, reaction_time);
-    if (outside <= allowed) continue;
-    throw InputError(
-        formatted("joint '%s': when its command changes from %g to %g, %.2f s after the "
-                  "first, it goes %.2g further than its steps say that it can, and is "
-                  "not measured to its end: hold each velocity until the joint "
-                  "follows it, while joint states are recorded",
-                  found.joint.name.c_str(), step.commanded_from, step.commanded_to,
-                  step.time - found.joint.first_command, outside));
+    if (outside > most) worst = &step, most = outside;
   }
+  if (!worst) return;
+  const std::string what = formatted(
+      "joint '%s': when its command changes from %g to %g, %.2f s after the first, it goes %.2g "
+      "further than its steps say that it can, and is not measured to its end: hold each velocity "
+      "until the joint follows it, while joint states are recorded",
+      found.joint.name.c_str(), worst->commanded_from, worst->commanded_to,
+      worst->time - found.joint.first_command, most);
+  const double change = worst->change();
+  const double way = change * (reaction_time + 0.5 * change / found.deceleration);
+  if (most > MUCH_FURTHER * way) throw InputError(what);
+  warnings.push_back(what);
 }
 
 void warnOf(const JointStopping& found, std::vector<std::string>& warnings) {
@@ -325,7 +333,7 @@ StoppingAnalysis analyseStopping(const StoppingRecording& recording) {
   }
   for (JointStopping& found : analysis.joints) {
     lowerDeceleration(found, analysis.reaction_time);
-    requireCovered(found, analysis.reaction_time);
+    judgeUnfinished(found, analysis.reaction_time, analysis.warnings);
     warnOf(found, analysis.warnings);
   }
   return analysis;

@@ -44,7 +44,7 @@ double lagOf(double x, double ramp);
 /// that covers more; of steps of the joint alone, if there is one of each kind (where others move
 /// it then is said). Margins: of the slope 5 % below the least that is within two standard errors;
 /// of the reaction time 5 % and 5 ms. Throws InputError that names a joint without states or steps,
-/// or one of whose RecordedJoint::unfinished changes goes further than the result says.
+/// or one of whose RecordedJoint::unfinished changes goes a quarter further than the result says.
 /// Cost: some 1,000 times the states of steps.
 StoppingAnalysis analyseStopping(const StoppingRecording& recording);
 

@@ -144,12 +144,12 @@ bool RecordedJoint::takeStep(std::size_t i, double before, double after) {
   const auto first = lineThrough(step, -before, 0.0);
   const auto last = lineThrough(step, 0.5 * step.seconds, step.seconds);
   if (!first) return false;
-  const double change = std::abs(first->slope - (last ? last->slope : velocities_[i + 1]));
-  if (!isSettled(step, step.t.front(), 0.0, change)) return false;
   step.commanded_from = velocities_[i], step.commanded_to = velocities_[i + 1];
-  step.from = first->slope, step.to = step.commanded_to;
+  step.from = first->slope, step.to = last ? last->slope : step.commanded_to;
   step.start = first->at_zero;
   step.velocity_error = first->slope_error;
+  const double change = step.change();
+  if (!isSettled(step, step.t.front(), 0.0, change)) return false;
   bool is_whole = last.has_value();
   for (std::size_t k = 1; k < step.t.size(); ++k) {
     is_whole = is_whole && step.t[k] - step.t[k - 1] <= LONGEST_GAP * period;
@@ -163,7 +163,7 @@ bool RecordedJoint::takeStep(std::size_t i, double before, double after) {
   if (change < LEAST_CHANGE) return false;
   squares_ += first->squares + last->squares;
   nb_free_ += first->nb_free + last->nb_free;
-  step.to = last->slope, step.end = last->at_zero;
+  step.end = last->at_zero;
   step.error = std::hypot(first->error, last->error);
   step.velocity_error = std::hypot(first->slope_error, last->slope_error);
   const auto other =

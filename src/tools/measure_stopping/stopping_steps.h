@@ -51,8 +51,8 @@ class RecordedJoint {
 
   std::string name;
   std::vector<StoppingStep> steps;
-  /// Held as well, but not until the joint followed, or joint states are missing: `to` is what was
-  /// commanded. Nothing is measured in these, but they may be the slowest.
+  /// Held as well, but not until the joint followed, or joint states are missing: `to` is how it
+  /// moved at last. Nothing is measured in these, but they may be the slowest.
   std::vector<StoppingStep> unfinished;
   std::size_t nb_other = 0;               ///< changes that are no steps
   double first_command = 0.0;             ///< its arrival
