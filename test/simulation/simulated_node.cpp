@@ -89,7 +89,7 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
     publish(linkName(setup_.fixed_frame), setup_.frame(), 0, Pose(), "mark", true);
   }
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
-    if (setup_.of(i).is_led_away) publish("elsewhere", linkName(i), 0, X_PM, "mount", true);
+    if (setup_.of(i).is_led_away) publish("apart", linkName(i), 0, X_PM, "mount", true);
   }
   load(monitor_, parameters(settings_));
   ++revision_;
