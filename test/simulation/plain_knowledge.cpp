@@ -104,6 +104,15 @@ std::optional<Pose> Knowledge::moving(const Told& told, Ns stamp) const {
   return between(before->second, after->second, seconds(stamp - before->first) / gap);
 }
 
+bool Knowledge::isHeld(int link) const {
+  for (const int i : setup_.pathTo(link)) {
+    const bool may_stand = of(i).joint == SimulatedLink::FIXED || setup_.isBase(i);
+    const Told& told = this->told(i);
+    if (!may_stand && told.is_settled && told.is_static && !of(i).is_listed) return true;
+  }
+  return false;
+}
+
 bool Knowledge::isNamed(int link) const {
   for (int i = 0; i < static_cast<int>(told_.size()); ++i) {
     const bool is_end = of(i).parent == link || setup_.hungFrame(i) == linkName(link);

@@ -33,6 +33,7 @@ struct Lie {
 /// Of one frame, since the clock went back.
 struct Told {
   std::map<Ns, Said> samples;  ///< by stamp, of the node that says the truth
+  std::set<Ns> late;           ///< stamps of those that came after later ones
   std::vector<Lie> lies;       ///< of others
   bool is_lied_about = false;  ///< on either topic
   bool is_static_lie = false;  ///< … on /tf_static, or both topics have it: also before
@@ -96,6 +97,7 @@ class Knowledge {
          (later != told.samples.begin() &&
           seconds(later->first - std::prev(later)->first) <= setup_.max_transform_age));
     if (later != told.samples.end()) told.is_plain = false;
+    if (later != told.samples.end()) told.late.insert(stamp);
     const bool agrees = publisher == "relay" && told.samples.count(stamp) > 0;
     if ((is_late && !agrees) || publisher == "repeats") {
       told.is_plain = false;
@@ -179,6 +181,9 @@ class Knowledge {
           earlier = std::prev(before);
         }
         if (before->second.is_rehung != after->second.is_rehung) continue;
+        // It was judged beside those that had come by then.
+        const auto late = told(i).late.lower_bound(earlier->first);
+        if (late != told(i).late.end() && *late <= after->first) continue;
         const auto isFar = [&](double (*measure)(const Pose&, const Pose&)) {
           const double step = std::max(measure(before->second, after->second),
                                        measure(earlier->second, before->second));
@@ -216,14 +221,7 @@ class Knowledge {
   /// Whether both topics had it lately, whatever it was before.
   bool wasOnBoth(const Told& told) const { return isLately(std::min(told.moved, told.stood)); }
   /// Whether /tf_static alone places it although its joint, or one above, may move.
-  bool isHeld(int link) const {
-    for (const int i : setup_.pathTo(link)) {
-      const bool may_stand = of(i).joint == SimulatedLink::FIXED || setup_.isBase(i);
-      const Told& told = this->told(i);
-      if (!may_stand && told.is_settled && told.is_static && !of(i).is_listed) return true;
-    }
-    return false;
-  }
+  bool isHeld(int link) const;
   /// Whether it is open which topic places it at that stamp.
   bool isOpen(int link, Ns stamp) const {
     for (const int i : setup_.pathTo(link)) {
