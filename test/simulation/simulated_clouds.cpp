@@ -32,7 +32,7 @@ void SimulatedNode::sendCloud(const Event& event) {
                              knowledge_.pass(), publisher});
   }
   const int what = event.what == EMPTY && event.other % 2 == 1 ? MALFORMED : event.what;
-  const bool is_ahead = event.what == 7 && event.number < -0.5;  // by more than the tolerance
+  const bool is_ahead = event.what == 2 && event.number < -0.5;  // by more than the tolerance
   const Ns stamp = what == WITHOUT_STAMP ? 0 : stampOf(is_ahead ? -0.8 : event.lag);
   const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
   const Pose X_CW = inverse(X_WL.value_or(Pose()) * X_LC_);
@@ -139,13 +139,16 @@ void SimulatedNode::requireRefusable(const SentCloud& cloud) {
   if (!is_stamp_bad && !is_late && (is_known || !has_waited)) fail("a sound cloud is refused");
 }
 
+/// When it is looked at first.
+bool SimulatedNode::hasNoUsableStamp(const SentCloud& cloud) const {
+  const double age = seconds(ros_ - cloud.stamp);
+  return cloud.is_new &&
+         (ros_ == 0 || cloud.stamp == 0 || -age > 0.5 + 1e-6 || age > timeout() + 1e-6);
+}
+
 /// It was handed out when it was looked at.
 void SimulatedNode::requireUsable(const SentCloud& cloud) {
-  const double age = seconds(ros_ - cloud.stamp);
-  if (cloud.is_new &&
-      (ros_ == 0 || cloud.stamp == 0 || -age > 0.5 + 1e-6 || age > timeout() + 1e-6)) {
-    fail("a cloud is processed that has no usable stamp");
-  }
+  if (hasNoUsableStamp(cloud)) fail("a cloud is processed that has no usable stamp");
   if (cloud.pass != knowledge_.pass()) fail("a cloud is processed of before the clock went back");
   const auto X_WL = knowledge_.poseOf(setup_.camera_on, cloud.stamp);
   const bool can_be_known =
@@ -187,6 +190,7 @@ void SimulatedNode::beginCloud() {
   if (!job) {
     const SentCloud& cloud = *waiting_cloud_;
     if (steady_ - cloud.since > LONGEST_WAIT + 1e-6) fail("a cloud waits for too long");
+    if (hasNoUsableStamp(cloud)) fail("a cloud waits that has no usable stamp");
     const bool is_connected = cloud.what != OF_NO_FRAME;
     if (is_connected && arePosesCertain(cloud.stamp)) fail("a cloud waits for what is known");
     if (next_cloud_ && next_cloud_->stamp > cloud.stamp && isSound(*next_cloud_)) {

@@ -117,6 +117,7 @@ class SimulatedNode {
   bool arePosesCertain(Ns stamp) const;
   bool isSound(const SentCloud& cloud) const;
   void requireRefusable(const SentCloud& cloud);
+  bool hasNoUsableStamp(const SentCloud& cloud) const;
   void requireUsable(const SentCloud& cloud);
   std::string expectedCloudProblem(bool is_refused) const;
   void judgeClouds(const Snapshot& snapshot);
