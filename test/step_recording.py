@@ -40,9 +40,9 @@ def as_array(_, velocities):
     return Float64MultiArray(data=velocities)
 
 
-def as_trajectory(names, velocities):
+def as_trajectory(names, velocities, seconds=0.05):
     """In another order than the joints."""
-    point = JointTrajectoryPoint(velocities=velocities[::-1], time_from_start=rospy.Duration(0.1))
+    point = JointTrajectoryPoint(velocities=velocities[::-1], time_from_start=rospy.Duration(seconds))
     return JointTrajectory(joint_names=names[::-1], points=[point])
 
 

@@ -259,10 +259,9 @@ def test_wrong_input_is_one_line_and_exit_code_2(run_tool, crane, tmp_path, whic
 @pytest.mark.parametrize("options, says", [
     (["--samples", "0"], "--samples"), (["--samples", "-5"], "--samples"), (["--samples", "many"], "--samples"),
     (["--seed", "x"], "--seed"), (["--searches", "-1"], "--searches"), (["--threads", "-1"], "--threads"),
-    (["--confidence", "1"], "--confidence"), (["--confidence", "nan"], "--confidence"),
+    (["--confidence", "1"], "--confidence"), (["--confidence", "nan"], "--confidence"), (["--speed", "3"], "--speed"),
     (["--max-probability", "0"], "--max-probability"), (["--max-probability", "1e-20"], "--max-probability"),
-    (["--clearance", "-0.1"], "--clearance"),
-    (["--clearance", "inf"], "--clearance"), (["--srdf", "none.srdf"], "none.srdf"), (["--speed", "3"], "--speed"),
+    (["--clearance", "-0.1"], "--clearance"), (["--clearance", "inf"], "--clearance"), (["--srdf", "none.srdf"], "none.srdf"),
     (["--out", "/none/out.srdf"], "/none/out.srdf"), (["--report", "/none/pairs.csv"], "/none/pairs.csv"),
 ])
 def test_wrong_options_are_one_line_and_exit_code_2(run_tool, crane, options, says):

@@ -55,6 +55,11 @@ def test_a_trajectory_names_its_joints(record, measure):
     assert measure(bag)[0]["velocity_limiter"]["joints"] == JOINTS[::-1]
 
 
+def test_no_trajectory_takes_longer_than_the_reaction_time_since_the_limiter_refuses_it(record, measure):
+    bag = record(make=lambda names, velocities: as_trajectory(names, velocities, 0.2))
+    assert measure(bag, "--joints", *JOINTS)[0]["velocity_limiter"]["reaction_time"] == 0.2
+
+
 def test_stamps_that_are_ahead_count_when_they_arrive(record, measure):
     found, said = measure(record(ahead=0.1, latency=0.015), "--joints", *JOINTS)
     assert 0.075 <= found["velocity_limiter"]["reaction_time"] <= 1.15 * 0.075 + 0.02  # with the latency

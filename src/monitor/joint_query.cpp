@@ -52,7 +52,7 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
 
 JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
                        const JointQueryTf& tf)
-    : scene_(scene), columns_(names, scene.robot()) {
+    : scene_(scene), columns_(names, scene.robot()), zeros_(scene.robot().zeroPositions()) {
   const ros::Time common = place(tf);
   if (!tf.is_of_one_instant || common.isZero()) return;
   JointQueryTf then = tf;
@@ -140,7 +140,7 @@ void JointQuery::posesAt(const std::vector<double>& positions, BodyPoses& poses)
 
 std::vector<double> JointQuery::jointPositionsAt(const std::vector<double>& positions) const {
   refuseOtherCount(positions);
-  std::vector<double> all = scene_.robot().zeroPositions();
+  std::vector<double> all = zeros_;
   columns_.apply(positions.data(), all);
   return all;
 }

@@ -75,6 +75,7 @@ class JointQuery {
 
   const CollisionScene& scene_;
   const JointColumns columns_;
+  const std::vector<double> zeros_;  ///< RobotModel::zeroPositions()
   PlacedBodies placed_;
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;

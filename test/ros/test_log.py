@@ -99,6 +99,7 @@ class LogTest(ProgramCase):
              "min_distance": ("5", "true or false", "false"),
              "allow_paused": ("5", "true or false", "false"),
              "show_only_investigated_boxes": ("5", "true or false", "false"),
+             "fixed_frame": ("5", "text", ""),
              "reload": ("sometimes", "manual or auto", "manual"),
              "trigger": ("bell", "rate or tf", "rate"),
              "fidelity": ("exact", "aabb, spheres, obb, convex or mesh", "mesh")}
@@ -116,7 +117,7 @@ class LogTest(ProgramCase):
             self.assertNotIn("<value>", line)
             self.assertIn(", but must be %s; using %s" % (rule, default), line)
             if isinstance(given[name], float):
-                in_words = {"false": 0.0}
+                in_words = {"": 0.0, "false": 0.0}
                 self.assertEqual(float(rospy.get_param("/refused/node/" + name) or 0),
                                  float(in_words.get(default, default)), name)
             else:

@@ -35,12 +35,10 @@ Edits editsOf(const SceneChanges& changes, const Objects& objects) {
     }
     edits[name] = nullptr;
   }
-  std::set<std::string> given;
   for (const RigidObject& object : changes.objects) {
-    if (!given.insert(object.name).second) {
-      throw InputError("object '" + object.name + "' is given twice");
-    }
-    edits[object.name] = std::make_shared<const RigidObject>(object);
+    ObjectPtr& edit = edits[object.name];
+    if (edit) throw InputError("object '" + object.name + "' is given twice");
+    edit = std::make_shared<const RigidObject>(object);
   }
   return edits;
 }

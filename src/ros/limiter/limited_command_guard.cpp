@@ -121,6 +121,7 @@ class Guard {
   bool isOfAllJoints(const trajectory_msgs::JointTrajectory& command) const {
     return isAccepted(command, parameters_.joints, parameters_.law.reaction_time);
   }
+
   Command zerosAs(const Command& command) const {
     LimiterDecision zeros;
     zeros.command.assign(parameters_.joints.size(), 0.0);

@@ -1,6 +1,7 @@
 #include "parameters.h"
 
 #include <algorithm>
+#include <set>
 
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <ros/console.h>
@@ -42,7 +43,7 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   }
 }
 
-/// Reads parameters; invalid ones are replaced by the current `value`.
+/// Reads parameters; those of another type or range are replaced by the current `value`.
 class Reader {
  public:
   explicit Reader(const ros::NodeHandle& node) : node_(node) {}
@@ -50,36 +51,43 @@ class Reader {
   void number(const std::string& name, double lowest, double highest, double& value) const {
     const std::string rule =
         "a number from " + std::to_string(lowest) + " to " + std::to_string(highest);
-    read(name, value, [&](const std::string& key, const YAML::Node& given) {
-      return numberOf(key, given, rule, {lowest, highest});
-    });
+    read(name, rule, {Value::TypeInt, Value::TypeDouble}, value,
+         [&](const std::string& key, const YAML::Node& given) {
+           return numberOf(key, given, rule, {lowest, highest});
+         });
   }
 
-  void flag(const std::string& name, bool& value) const { read(name, value, flagOf); }
+  void flag(const std::string& name, bool& value) const {
+    read(name, "true or false", {Value::TypeBoolean}, value, flagOf);
+  }
 
   void word(const std::string& name, std::string& value) const {
-    read(name, value, [](const std::string& key, const YAML::Node& given) {
-      return textOf(key, given, "text");
-    });
+    read(name, "text", {Value::TypeString}, value,
+         [](const std::string&, const YAML::Node& given) { return given.Scalar(); });
   }
 
   void oneOf(const std::string& name, const std::vector<std::string>& words,
              std::string& value) const {
-    read(name, value, [&](const std::string& key, const YAML::Node& given) {
-      const std::string rule = joined({words.begin(), words.end() - 1}) + " or " + words.back();
-      const std::string text = textOf(key, given, rule);
-      if (!contains(words, text)) refuseValue(key, given, rule);
-      return text;
-    });
+    const std::string rule = joined({words.begin(), words.end() - 1}) + " or " + words.back();
+    read(name, rule, {Value::TypeString}, value,
+         [&](const std::string& key, const YAML::Node& given) {
+           if (!contains(words, given.Scalar())) refuseValue(key, given, rule);
+           return given.Scalar();
+         });
   }
 
  private:
+  using Value = XmlRpc::XmlRpcValue;
+
   template <typename T, class Read>
-  void read(const std::string& name, T& value, const Read& read_value) const {
-    const YAML::Node given = yamlParameters(node_, {name})[name];
-    if (!given) return;
+  void read(const std::string& name, const std::string& rule, const std::set<Value::Type>& types,
+            T& value, const Read& read_value) const {
+    Value given;
+    if (!readParameter(node_, name, given)) return;
+    const std::string key = "parameter " + node_.resolveName(name);
     try {
-      value = read_value("parameter " + node_.resolveName(name), given);
+      if (types.count(given.getType()) == 0) refuseValue(key, toYaml(given), rule);
+      value = read_value(key, toYaml(given));
     } catch (const InputError& error) {
       ROS_ERROR_STREAM(error.what() << "; using " << std::boolalpha << value);
       node_.setParam(name, value);

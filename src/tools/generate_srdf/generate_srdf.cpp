@@ -15,7 +15,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double LEAST_PROBABILITY = 1e-12;  // of it 5e12 states show something
+constexpr double LEAST_PROBABILITY = 1e-12;  // 5e12 states would show less
 
 struct Options {
   std::string robot, srdf, out, report;
@@ -57,8 +57,8 @@ void refuseWrong(const Options& options) {
   if (!isShare(options.rules.confidence)) {
     throw InputError("--confidence must lie between 0 and 1, like 0.99");
   }
-  if (!isShare(options.rules.max_probability) ||
-      options.rules.max_probability < LEAST_PROBABILITY) {
+  const double probability = options.rules.max_probability;
+  if (!(probability >= LEAST_PROBABILITY && probability < 1.0)) {
     throw InputError("--max-probability must lie between 1e-12 and 1, like 1e-4");
   }
 }

@@ -76,6 +76,7 @@ std::string topicOf(const std::set<std::string>& topics, const std::string& aske
 struct Recording {
   std::string command, joint_states;  ///< topics
   bool is_trajectory = false;
+  double time_from_start = 0.0;     ///< s: the longest of trajectories
   std::vector<std::string> losses;  ///< what of the bag could not be used
   StoppingRecording content;
 };
@@ -87,7 +88,10 @@ std::vector<double> velocitiesIn(const RawMessage& raw, Recording& recording) {
     if (!message) throw InputError("a command is garbled");
     if (joints.empty()) joints = message->joint_names;
     recording.is_trajectory = true;
-    return velocitiesOf(*message, joints);
+    std::vector<double> velocities = velocitiesOf(*message, joints);
+    const double seconds = message->points.front().time_from_start.toSec();
+    recording.time_from_start = std::max(recording.time_from_start, seconds);
+    return velocities;
   }
   const auto message = readMessage<Float64MultiArray>(raw.data, raw.size);
   if (!message) throw InputError("a command is garbled");
@@ -244,8 +248,9 @@ void draw(const StoppingAnalysis& found, const std::string& picture) {
 
 void measure(const Options& options) {
   const Recording recording = read(options);
-  const StoppingAnalysis found =
-      naming(options.bag, [&] { return analyseStopping(recording.content); });
+  StoppingAnalysis found = naming(options.bag, [&] { return analyseStopping(recording.content); });
+  // The limiter refuses a command that would be in effect later.
+  found.reaction_time = std::max(found.reaction_time, recording.time_from_start);
   for (const std::string& warning : found.warnings) warn(warning);
   writeTextFile(options.out, [&](std::ostream& out) {
     if (!options.plot.empty()) draw(found, options.plot);
