@@ -1,6 +1,7 @@
 // A report of four boxes, its message and markers, for tests.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,10 +32,20 @@ class Report : public testing::Test {
     detector_.detect(poses_, settings_);
   }
 
+  /// The scene, of whose robot some links are incomplete.
+  std::shared_ptr<const CollisionScene> without(const std::vector<std::string>& links) const {
+    const auto elementsOf = [](const Link& link) { return link.elements; };
+    const auto robot = robotFrom(slidingBoxes(4))->withElements(elementsOf, [&](const Link& link) {
+      const bool is_missing = std::count(links.begin(), links.end(), link.name) > 0;
+      return std::vector<std::string>(is_missing ? 1 : 0, "no such file");
+    });
+    return CollisionScene::build(robot, std::nullopt, nullptr);
+  }
+
   visualization_msgs::MarkerArray markers(
       bool only_investigated, const std::optional<ShownLimit>& limit = std::nullopt) const {
     const CollisionPairs message =
-        toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
+        toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7));
     return toMarkers(message, &detector_.report(), only_investigated, limit);
   }
 

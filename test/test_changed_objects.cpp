@@ -142,22 +142,42 @@ TEST_F(Changed, ALinkWhoseGeometryCouldNotBeReadStaysLeftOut) {
       [](const Link& link) { return link.name == "b" ? std::vector<Element>{} : link.elements; });
   const auto alike = CollisionScene::build(description_)->withAlike({{box("new", 5)}, {}});
   ASSERT_NE(alike, nullptr);
-  EXPECT_EQ(alike->missing(), std::set<std::string>{"b"});
+  ASSERT_EQ(alike->missing().size(), 1u);
+  EXPECT_EQ(alike->missing().count("b"), 1u);
   const SceneChanges all_gone{{}, {"far", "near", "new"}};
   EXPECT_EQ(alike->withAlike(all_gone), nullptr);
   EXPECT_EQ(collision_pairs::refusal([&] { alike->with(all_gone); }), "accepted");
 }
 
-// By one check, a motion, and so many states that the batch stage could answer.
-TEST_F(Changed, WithoutTheGeometryOfALinkInAPairNothingIsFree) {
+TEST_F(Changed, AnIncompleteLinkThatComesIntoItsFirstPairIsMissingFromThenOn) {
+  description_.settings.pair_rules = {{PairRule::Verdict::DENY, "b", "a"},
+                                      {PairRule::Verdict::DENY, "b", "far"},
+                                      {PairRule::Verdict::DENY, "b", "near"}};
   description_.robots[0].model = description_.robots[0].model->withElements(
+      [](const Link& link) { return link.elements; },
+      [](const Link& link) { return std::vector<std::string>(link.name == "b", "no such file"); });
+  const auto scene = CollisionScene::build(description_);
+  EXPECT_TRUE(scene->missing().empty());
+  const auto with_it = scene->with({{onLink("a", box("held", 0))}, {}});
+  ASSERT_EQ(with_it->missing().count("b"), 1u);
+  EXPECT_EQ(with_it->missing().at("b"), std::vector<std::string>{"no such file"});
+}
+
+// By one check, a motion, and so many states that the batch stage could answer.
+TEST_F(Changed, WithoutTheGeometryOfALinkInAPairOrAPartOfItNothingIsFree) {
+  const auto whole = description_.robots[0].model;
+  const auto without = whole->withElements(
       [](const Link& link) { return link.name == "b" ? std::vector<Element>{} : link.elements; });
+  const auto incomplete = whole->withElements(
+      [](const Link& link) { return link.elements; },
+      [](const Link& link) { return std::vector<std::string>(link.name == "b", "no such file"); });
   const std::vector<std::string> why = {"geometry that could not be read: b"};
-  for (const bool may_be_empty : {false, true}) {
-    description_.settings.allow_empty_scene = may_be_empty;
+  for (const int variant : {0, 1, 2, 3}) {
+    description_.settings.allow_empty_scene = variant % 2 > 0;
+    description_.robots[0].model = variant > 1 ? incomplete : without;
     const auto scene = CollisionScene::build(description_);
     EXPECT_FALSE(scene->mayBeFree());
-    const std::vector<double> apart = {10.0, 10.0}, touching = {3.0, 10.0};
+    const std::vector<double> apart = {10.0, 14.0}, touching = {3.0, 14.0};
     const auto verdicts = [&](std::size_t count, const std::vector<double>& positions) {
       CheckSettings settings;
       settings.verdict_only = true;
@@ -181,7 +201,7 @@ TEST_F(Changed, WithoutTheGeometryOfALinkInAPairNothingIsFree) {
     for (const bool only_free : {false, true}) {
       MotionSettings settings;
       settings.only_free = only_free;
-      const MotionReport report = MotionCheck(scene).check({apart, {12.0, 10.0}}, settings);
+      const MotionReport report = MotionCheck(scene).check({apart, {12.0, 14.0}}, settings);
       EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
       EXPECT_EQ(report.unknown_because, why);
       EXPECT_EQ(report.free_until, 0.0);

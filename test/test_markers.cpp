@@ -33,7 +33,7 @@ std::vector<std::string> printedAll(const MarkerArray& array) {
 /// Boxes of different sizes, the last one without bounds, one contact and one that is near.
 TEST_F(Report, MarkersHaveTheirPlaceSizeAndColour) {
   const CollisionPairs message =
-      toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
+      toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7));
   CollisionReport report = detector_.report();
   constexpr double HUGE = 1e300;
   report.boxes = {{{0, 0, 0}, {1, 2, 3}},
@@ -133,8 +133,7 @@ TEST_F(Report, OfBoxesThatAreNoneHasMarkersOfAUsualSize) {
 }
 
 TEST_F(Report, OfPairsEquallyDeepTheFirstIsNamedAndOfAFreeReportNone) {
-  CollisionPairs message =
-      toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
+  CollisionPairs message = toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7));
   message.pairs[1].distance = message.pairs[0].distance;
   EXPECT_EQ(toMarkers(message, nullptr, false).markers.at(2).text, "a | b");
   message.pairs[0].state = CollisionPair::UNRESOLVED;  // a bound
@@ -204,7 +203,7 @@ TEST_F(Report, MarkersTellTheThreeKindsOfBoxesApart) {
 
 TEST_F(Report, ABoxWithoutThicknessIsDrawnAMicrometreThick) {
   const CollisionPairs message =
-      toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
+      toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7));
   CollisionReport report = detector_.report();
   report.boxes.at(0).max.y() = report.boxes.at(0).min.y();
   for (const Marker& marker : toMarkers(message, &report, false, std::nullopt).markers) {
@@ -325,7 +324,7 @@ std::vector<Marker> boxesOf(const std::shared_ptr<const CollisionScene>& scene) 
   CheckSettings settings;
   settings.list_boxes = true;
   const auto& report = detector.detect(poses, settings);
-  const auto message = toMessage(report, *scene, settings, "world", ros::Time(7), {});
+  const auto message = toMessage(report, *scene, settings, "world", ros::Time(7));
   std::vector<Marker> boxes;
   for (const Marker& marker : toMarkers(message, &report, false).markers) {
     if (marker.type == Marker::CUBE && marker.action == Marker::ADD) boxes.push_back(marker);

@@ -233,6 +233,12 @@ TEST(RobotModel, ALinkWhoseMeshIsBrokenStillHasGeometry) {
                                           noMeshes, &broken);
   ASSERT_EQ(broken.size(), 1u);
   EXPECT_EQ(broken[0].link, "b");
+  const Link& link = robot->links()[robot->findLink("b")];
+  EXPECT_EQ(link.missing, std::vector<std::string>{broken[0].reason});
+  EXPECT_EQ(robot->withElements([](const Link& its) { return its.elements; })
+                ->links()[robot->findLink("b")]
+                .missing,
+            link.missing);
   EXPECT_EQ(adjacentNames(*robot), (Pairs{{"a", "b"}, {"b", "c"}}));
 }
 

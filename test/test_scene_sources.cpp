@@ -83,12 +83,11 @@ TEST(SceneSources, MeshesOfLinksInNoPairAreNeverRead) {
                                      "<disable_default_collisions link='a'/>"
                                      "<disable_default_collisions link='c'/>");
   EXPECT_TRUE(loader.loaded.empty());
-  std::vector<BrokenElement> broken;
-  const auto scene = CollisionScene::build(describeScene(sources, {}, {}, broken));
+  const auto scene = CollisionScene::build(describeScene(sources, {}, {}));
   EXPECT_EQ(loader.loaded, (std::multiset<std::string>{"ball"}));
   EXPECT_EQ(scene->models().size(), 2u);
   EXPECT_EQ(scene->bodies().size(), 2u);
-  EXPECT_TRUE(broken.empty());
+  EXPECT_TRUE(scene->missing().empty());
 }
 
 TEST(SceneSources, WhatANewObjectCanMeetIsReadThenAndOnlyOnce) {
@@ -96,20 +95,18 @@ TEST(SceneSources, WhatANewObjectCanMeetIsReadThenAndOnlyOnce) {
   SceneSources sources = sourcesWith(loader,
                                      "<disable_default_collisions link='a'/>"
                                      "<disable_default_collisions link='c'/>");
-  std::vector<BrokenElement> broken;
-  describeScene(sources, {}, {}, broken);
-  const auto scene =
-      CollisionScene::build(describeScene(sources, {floorAt(0.0, {"d"})}, {}, broken));
+  describeScene(sources, {}, {});
+  const auto scene = CollisionScene::build(describeScene(sources, {floorAt(0.0, {"d"})}, {}));
   EXPECT_EQ(loader.loaded, (std::multiset<std::string>{"ball", "broken", "l"}));
-  ASSERT_EQ(broken.size(), 1u);
-  EXPECT_EQ(broken[0].link, "c");
+  ASSERT_EQ(scene->missing().size(), 1u);
+  EXPECT_EQ(scene->missing().at("c"),
+            std::vector<std::string>{"mesh 'broken': there is no such file"});
   EXPECT_GE(scene->findModel("a"), 0);
   EXPECT_EQ(scene->findModel("c"), -1);
-  describeScene(sources, {floorAt(1.0, {})}, {}, broken);
+  describeScene(sources, {floorAt(1.0, {})}, {});
   EXPECT_EQ(loader.loaded.size(), 3u);
-  broken.clear();
-  describeScene(sources, {}, {}, broken);
-  EXPECT_TRUE(broken.empty()) << "link c meets nothing any more";
+  EXPECT_TRUE(CollisionScene::build(describeScene(sources, {}, {}))->missing().empty())
+      << "link c meets nothing any more";
 }
 
 TEST(SceneSources, ARestrictionOfTheRequestStandsForTheConfiguredOne) {
@@ -117,9 +114,8 @@ TEST(SceneSources, ARestrictionOfTheRequestStandsForTheConfiguredOne) {
   SceneSources sources = sourcesWith(loader, "");
   sources.config.restriction.names = {"a"};
   sources.config.settings.ignored_links = {"c"};
-  std::vector<BrokenElement> broken;
   const auto pairsWith = [&](const Restriction& restriction) {
-    const auto scene = CollisionScene::build(describeScene(sources, {}, restriction, broken));
+    const auto scene = CollisionScene::build(describeScene(sources, {}, restriction));
     std::set<std::string> names;
     for (std::uint32_t a = 0; a < scene->models().size(); ++a) {
       for (std::uint32_t b = a + 1; b < scene->models().size(); ++b) {

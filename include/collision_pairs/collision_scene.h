@@ -171,9 +171,9 @@ class CollisionScene {
   /// Reason why no check of this scene is conclusive: there is no pair to check, or a robot or the
   /// environment has no collision geometry. Empty if checks are.
   const std::string& unchecked() const { return unchecked_; }
-  /// Links in a pair of which there is a <collision> (Link::has_geometry), but no element: no check
-  /// of the scene is FREE.
-  const std::set<std::string>& missing() const { return missing_; }
+  /// Links in a pair of which a <collision> is not checked, with the reasons: Link::missing, none
+  /// if it has no element at all in spite of has_geometry. No check of the scene is FREE.
+  const std::map<std::string, std::vector<std::string>>& missing() const { return missing_; }
   /// A warning for each mesh with open sheets of which more than 1 % of the surface is missing,
   /// with the models that have it: open sheets enclose nothing, so a body wholly inside is not
   /// found. Only meshes whose triangles the scene's fidelities need.
@@ -247,7 +247,7 @@ class CollisionScene {
   std::vector<SceneCloud> clouds_;
   PairFilter filter_;
   std::string unchecked_;
-  std::set<std::string> missing_;
+  std::map<std::string, std::vector<std::string>> missing_;
   NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
   /// By classes of the filter, the smaller first: paddings that are not the sum of the two.
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;

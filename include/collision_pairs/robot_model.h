@@ -34,10 +34,11 @@ struct Link {
   std::string name;
   int parent_joint = -1;  ///< -1 for the root
   std::vector<Element> elements;
-  bool has_geometry = false;  ///< has a <collision>, even if it could not be used; see
-                              ///< CollisionScene::missing()
-  int body = -1;              ///< the rigid body it belongs to
-  Eigen::Isometry3d X_BL;     ///< pose of the link in that body's frame
+  bool has_geometry = false;  ///< has a <collision>, even if it could not be used
+  /// Why a <collision> is not among the elements, for each; see CollisionScene::missing().
+  std::vector<std::string> missing;
+  int body = -1;           ///< the rigid body it belongs to
+  Eigen::Isometry3d X_BL;  ///< pose of the link in that body's frame
 };
 
 enum class JointType { FIXED, REVOLUTE, CONTINUOUS, PRISMATIC, FLOATING, PLANAR };
@@ -93,29 +94,32 @@ struct Body {
 /// before its children.
 class RobotModel {
  public:
-  /// Reads a URDF. Only links, joints and <collision> are used; other content cannot make it fail.
+  /// Reads a URDF. Only links, joints and <collision> are used. What is misspelt is refused, see
+  /// docs/conventions.md; other content cannot make it fail.
   /// Throws InputError with the line of the XML.
   ///
   /// A <collision> whose mesh cannot be loaded throws as well, unless `broken` is given: then the
-  /// element is left out, and its link and the reason are added to `broken`. The caller must report
-  /// these with every answer, because that link is no longer completely checked.
+  /// element is left out, its link and the reason are added to `broken`, and the reason to
+  /// Link::missing. No check in which the link is in a pair is FREE.
   static std::shared_ptr<const RobotModel> fromUrdf(const std::string& xml,
                                                     const MeshLoader& load_mesh,
                                                     std::vector<BrokenElement>* broken = nullptr);
 
   /// Makes a model of links and joints, in any order; joints refer to both by their indices in
   /// these vectors. They are renumbered: the joints below a link keep their order. Axes may have
-  /// any length. Of a link, name, elements and has_geometry are read; the rest is found out here.
-  /// A link on a floating or planar joint, and what is fixed to it, is a body of its own, whose
-  /// pose is an input of the detector. Throws InputError that names the link or joint that is
+  /// any length. Of a link, name, elements, has_geometry and missing are read; the rest is found
+  /// out here. A link on a floating or planar joint, and what is fixed to it, is a body of its own,
+  /// whose pose is an input of the detector. Throws InputError that names the link or joint that is
   /// wrong: also several roots, which are several robots of a scene.
   static std::shared_ptr<const RobotModel> fromParts(std::string name, std::vector<Link> links,
                                                      std::vector<Joint> joints,
                                                      std::vector<std::string> warnings = {});
 
-  /// A copy in which each link has the elements that `elements` returns; called once per link.
+  /// A copy in which each link has the elements that `elements` returns, and what `missing` returns
+  /// after that (by default what it had); each is called once per link.
   std::shared_ptr<const RobotModel> withElements(
-      const std::function<std::vector<Element>(const Link&)>& elements) const;
+      const std::function<std::vector<Element>(const Link&)>& elements,
+      const std::function<std::vector<std::string>(const Link&)>& missing = nullptr) const;
 
   /// One of several robots.
   struct Placed {

@@ -61,8 +61,7 @@ CollisionPairs unknown(const std::string& reason, const std::string& frame,
 
 CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& scene,
                          const CheckSettings& settings, const std::string& frame,
-                         const ros::Time& stamp, const std::vector<std::string>& broken_links,
-                         const ClosingReport* closing) {
+                         const ros::Time& stamp, const ClosingReport* closing) {
   CollisionPairs message;
   message.header.frame_id = frame;
   message.header.stamp = stamp;
@@ -92,7 +91,7 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
     message.time_to_contact = closing->time_to_contact;
     message.time_to_contact_is_known = closing->time_to_contact_is_known;
   }
-  message.left_out = broken_links;
+  for (const auto& entry : scene.missing()) message.left_out.push_back(entry.first);
   for (const std::uint32_t id : report.left_out) {
     message.left_out.push_back(scene.models()[id].name);
   }

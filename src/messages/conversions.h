@@ -14,11 +14,10 @@ namespace collision_pairs {
 /// An empty report: UNKNOWN for this reason.
 CollisionPairs unknown(const std::string& reason, const std::string& frame, const ros::Time& stamp);
 
-/// `broken_links` are added to the links left out. Without `closing` no closing speed is known.
-/// time_transforms is left at 0 for the caller.
+/// Left out are also the links whose geometry is CollisionScene::missing(). Without `closing` no
+/// closing speed is known. time_transforms is left at 0 for the caller.
 CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& scene,
                          const CheckSettings& settings, const std::string& frame,
-                         const ros::Time& stamp, const std::vector<std::string>& broken_links,
-                         const ClosingReport* closing = nullptr);
+                         const ros::Time& stamp, const ClosingReport* closing = nullptr);
 
 }  // namespace collision_pairs

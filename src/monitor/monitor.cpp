@@ -29,9 +29,8 @@ Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
         "the node was started anew, and the objects that ~update_scene had added are lost: send "
         "CLEAR, and add them again");
   }
-  if (!scene->broken_links.empty()) {
-    snapshot.poses.unknown_because.push_back(unreadGeometry(scene->broken_links));
-  }
+  const std::string missing = missingGeometry(*scene->scene);
+  if (!missing.empty()) snapshot.poses.unknown_because.push_back(missing);
   return snapshot;
 }
 

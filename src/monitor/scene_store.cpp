@@ -19,13 +19,14 @@ void requireLink(const RobotModel& robot, const std::string& name) {
                    didYouMean(name, namesOf(robot.links())));
 }
 
-void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active) {
-  std::set<std::string> links;
-  for (const BrokenElement& element : broken) {
-    links.insert(element.link);
-    active.broken.push_back("link '" + element.link + "' is left out: " + element.reason);
+std::vector<std::string> brokenOf(const CollisionScene& scene) {
+  std::vector<std::string> lines;
+  for (const auto& [link, reasons] : scene.missing()) {
+    for (const std::string& why : reasons) {
+      lines.push_back("link '" + link + "' is left out: " + why);
+    }
   }
-  active.broken_links.assign(links.begin(), links.end());
+  return lines;
 }
 
 }  // namespace
@@ -69,13 +70,12 @@ std::shared_ptr<ActiveScene> SceneJob::build(const Progress& progress) {
   auto active = std::make_shared<ActiveScene>();
   std::vector<RigidObject> present;
   for (const auto& entry : *objects_) present.push_back(entry.second.object);
-  std::vector<BrokenElement> broken;
   SceneDescription description =
-      describeScene(parameters_->sources, std::move(present), restriction_, broken);
-  noteBroken(broken, *active);
+      describeScene(parameters_->sources, std::move(present), restriction_);
   description.settings.progress = progress;
   active->scene = CollisionScene::build(description, cache_.get());
   const CollisionScene& scene = *active->scene;
+  active->broken = brokenOf(scene);
   active->warnings = parameters_->warnings;
   active->open_meshes = scene.openMeshes();
   active->frame = parameters_->fixed_frame.empty() ? scene.robot().links().front().name

@@ -32,9 +32,7 @@ struct SceneParameters {
 /// A scene with what belongs to it. Replaced as a whole; holders of the old one can continue.
 struct ActiveScene {
   std::shared_ptr<const CollisionScene> scene;
-  /// Links with geometry that could not be read: listed as left out in every report.
-  std::vector<std::string> broken_links;
-  /// Their errors, one line each.
+  /// Why geometry of links could not be read, one line each.
   std::vector<std::string> broken;
   /// Of its parameters; they concern no pair.
   std::vector<std::string> warnings;

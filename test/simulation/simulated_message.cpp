@@ -54,8 +54,8 @@ void SimulatedNode::judgeMessage(const Snapshot& snapshot) {
   const bool finds_near = !settings.verdict_only && settings.alarm_distance > 0.0;
   const ClosingReport closing =
       closingReport(scene, report, finds_near, snapshot.poses, monitor_.before(snapshot, report));
-  const CollisionPairs message = toMessage(report, scene, settings, "frame", snapshot.stamp,
-                                           snapshot.scene->broken_links, &closing);
+  const CollisionPairs message =
+      toMessage(report, scene, settings, "frame", snapshot.stamp, &closing);
   const auto require = [&](bool holds, const char* what) {
     if (!holds) fail(std::string("a message has another ") + what);
   };
@@ -95,8 +95,8 @@ void SimulatedNode::judgeMessage(const Snapshot& snapshot) {
   if (!report.unchecked.empty() && report.candidates.empty()) {
     require(message.min_distance <= 0.0 && message.min_distance_is_bound, "distance of nothing");
   }
-  std::set<std::string> left_out(snapshot.scene->broken_links.begin(),
-                                 snapshot.scene->broken_links.end());
+  std::set<std::string> left_out;
+  if (isGeometryMissing()) left_out.insert(linkName(settings_.broken));
   for (const std::uint32_t model : report.left_out) left_out.insert(scene.models()[model].name);
   require(std::equal(message.left_out.begin(), message.left_out.end(), left_out.begin(),
                      left_out.end()),
@@ -138,8 +138,7 @@ void SimulatedNode::judgeMessage(const Snapshot& snapshot) {
     }
     if (!said.contacts.empty()) require(-deepest == pair.distance, "deepest contact");
   }
-  const CollisionPairs without =
-      toMessage(report, scene, settings, "frame", snapshot.stamp, snapshot.scene->broken_links);
+  const CollisionPairs without = toMessage(report, scene, settings, "frame", snapshot.stamp);
   require(!without.time_to_contact_is_known &&
               std::none_of(without.pairs.begin(), without.pairs.end(),
                            [](const CollisionPair& pair) { return pair.closing_speed_is_known; }),

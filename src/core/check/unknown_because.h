@@ -17,8 +17,11 @@ struct NamedReason {
   const std::vector<std::string>& names;
 };
 
-inline std::string unreadGeometry(const std::vector<std::string>& links) {
-  return "geometry that could not be read: " + firstOf(links);
+/// Of CollisionScene::missing(); empty: nothing is.
+inline std::string missingGeometry(const CollisionScene& scene) {
+  std::vector<std::string> links;
+  for (const auto& entry : scene.missing()) links.push_back(entry.first);
+  return links.empty() ? "" : "geometry that could not be read: " + firstOf(links);
 }
 
 /// All that speaks against FREE, one sentence each. `unchecked`: of the report.
@@ -29,10 +32,8 @@ inline std::vector<std::string> unknownBecause(const CollisionScene& scene,
   std::vector<std::string> reasons;
   const bool may_be_empty = scene.description().settings.allow_empty_scene;
   if (!unchecked.empty() && !may_be_empty) reasons.push_back(unchecked);
-  if (!scene.missing().empty()) {
-    const std::string missing = unreadGeometry({scene.missing().begin(), scene.missing().end()});
-    if (!contains(of_input, missing)) reasons.push_back(missing);
-  }
+  const std::string missing = missingGeometry(scene);
+  if (!missing.empty() && !contains(of_input, missing)) reasons.push_back(missing);
   for (const auto& [what, names] : named) {
     if (!names.empty()) reasons.push_back(std::string(what) + ": " + firstOf(names));
   }

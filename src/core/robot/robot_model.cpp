@@ -85,9 +85,13 @@ void RobotModel::foldJoints() {
 }
 
 std::shared_ptr<const RobotModel> RobotModel::withElements(
-    const std::function<std::vector<Element>(const Link&)>& elements) const {
+    const std::function<std::vector<Element>(const Link&)>& elements,
+    const std::function<std::vector<std::string>(const Link&)>& missing) const {
   std::shared_ptr<RobotModel> copy(new RobotModel(*this));
-  for (Link& link : copy->links_) link.elements = elements(link);
+  for (Link& link : copy->links_) {
+    link.elements = elements(link);
+    if (missing) link.missing = missing(link);
+  }
   return copy;
 }
 

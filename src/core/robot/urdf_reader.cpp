@@ -239,18 +239,22 @@ std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
                                                        const MeshLoader& load_mesh,
                                                        std::vector<BrokenElement>* broken) {
   UrdfReader reader(xml);
-  return reader.skeleton()->withElements([&](const Link& link) {
+  std::vector<std::string> missing;
+  const auto elementsOf = [&](const Link& link) {
     std::vector<Element> elements;
+    missing.clear();
     for (std::size_t i = 0; i < reader.nbElements(link.name); ++i) {
       try {
         elements.push_back(reader.element(link.name, i, load_mesh));
       } catch (const std::exception& error) {
         if (!broken) throw InputError("URDF: link '" + link.name + "': " + error.what());
         broken->push_back({link.name, error.what()});
+        missing.push_back(error.what());
       }
     }
     return elements;
-  });
+  };
+  return reader.skeleton()->withElements(elementsOf, [&](const Link&) { return missing; });
 }
 
 }  // namespace collision_pairs

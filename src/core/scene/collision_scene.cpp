@@ -95,10 +95,10 @@ class SceneBuilder {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < members_.size(); ++i) {
       if (!classOf(i).is_needed) continue;
-      if (members_[i].elements->empty()) {
-        scene_->missing_.insert(members_[i].name);
-        continue;
-      }
+      const auto* const missing = members_[i].missing;
+      const bool is_bare = members_[i].elements->empty();
+      if (missing && (is_bare || !missing->empty())) scene_->missing_[members_[i].name] = *missing;
+      if (is_bare) continue;
       members_[kept] = members_[i];
       class_of_[kept++] = class_of_[i];
     }
@@ -247,8 +247,8 @@ std::shared_ptr<const CollisionScene> CollisionScene::buildOf(
     const CollisionScene* before) {
   SceneCache of_this_scene;
   auto scene = SceneBuilder(*description, objects, before).build(cache ? *cache : of_this_scene);
-  for (const std::string& link : scene->missing_) {
-    if (!before || before->missing_.count(link) > 0) continue;
+  for (const auto& [link, why] : scene->missing_) {
+    if (!before || !why.empty() || before->missing_.count(link) > 0) continue;
     throw InputError("link '" + link + "' is in a pair now, but its geometry was left out");
   }
   scene->objects_ = std::move(objects);

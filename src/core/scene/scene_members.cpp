@@ -87,9 +87,10 @@ class MemberCollector {
 
   /// Null if the link cannot be in a pair. One whose geometry was left out can: see neededModels().
   SceneMember* addLink(const Link& link) {
-    const bool is_bare = link.elements.empty() && !link.has_geometry;
+    const bool is_bare = link.elements.empty() && !link.has_geometry && link.missing.empty();
     if (is_bare || matchesAny(settings_.ignored_links, link.name)) return nullptr;
     members_.push_back(memberWith(link.name, link.elements, settings_));
+    members_.back().missing = &link.missing;
     members_.back().cylinder_as_capsule = matchesAny(settings_.cylinder_as_capsule, link.name);
     return &members_.back();
   }

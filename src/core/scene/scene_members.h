@@ -17,6 +17,7 @@ using Objects = std::vector<ObjectPtr>;
 struct SceneMember {
   std::string name;
   const std::vector<Element>* elements;
+  const std::vector<std::string>* missing = nullptr;  ///< of a link; null: nothing is
   bool cylinder_as_capsule = false;
   int robot = -1;          ///< index of the link's robot; -1: not a robot's link
   int link = -1;           ///< in the robots' merged model; -1: not a robot's link

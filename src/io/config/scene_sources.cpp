@@ -11,15 +11,9 @@ namespace collision_pairs {
 namespace {
 
 std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::string& prefix,
-                                               const std::set<std::string>& needed,
-                                               std::vector<BrokenElement>& broken) {
-  const auto model = source.withGeometryOf(
+                                               const std::set<std::string>& needed) {
+  return source.withGeometryOf(
       [&](const std::string& link) { return needed.count(withPrefix(prefix, link)) > 0; });
-  for (const BrokenElement& element : source.broken()) {  // also those that were needed before
-    const std::string link = withPrefix(prefix, element.link);
-    if (needed.count(link) > 0) broken.push_back({link, element.reason});
-  }
-  return model;
 }
 
 Srdf parsed(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
@@ -72,16 +66,19 @@ const std::shared_ptr<const RobotModel>& RobotSource::withGeometryOf(
   }
   if (now == has_geometry_) return loaded_;
   std::size_t i = 0;
-  loaded_ = loaded_->withElements([&](const Link& link) {
+  std::vector<std::string> missing;
+  const auto elementsOf = [&](const Link& link) {
     const bool is_new = now[i] && !has_geometry_[i];
     const Link& described = skeleton_->links()[i++];
-    return is_new ? load(described) : link.elements;
-  });
+    missing = link.missing;
+    return is_new ? load(described, missing) : link.elements;
+  };
+  loaded_ = loaded_->withElements(elementsOf, [&](const Link&) { return missing; });
   has_geometry_ = now;
   return loaded_;
 }
 
-std::vector<Element> RobotSource::load(const Link& link) {
+std::vector<Element> RobotSource::load(const Link& link, std::vector<std::string>& missing) {
   std::vector<Element> elements;
   for (const Element& element : link.elements) {
     const auto* mesh = std::get_if<Mesh>(&element.shape);
@@ -95,7 +92,7 @@ std::vector<Element> RobotSource::load(const Link& link) {
       validateShape(shape);
       elements.push_back({shape, element.X_LE});
     } catch (const std::exception& error) {
-      broken_.push_back({link.name, error.what()});
+      missing.push_back(error.what());
     }
   }
   return elements;
@@ -128,7 +125,7 @@ void SceneSources::setClouds(std::vector<CloudConfig> configs) {
 }
 
 SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> objects,
-                               const Restriction& restriction, std::vector<BrokenElement>& broken) {
+                               const Restriction& restriction) {
   SceneDescription description;
   for (const SceneSources::Robot& robot : sources.robots) {
     description.robots.push_back({robot.source->skeleton(), robot.srdf, robot.prefix});
@@ -143,9 +140,9 @@ SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> o
   const std::set<std::string> needed = CollisionScene::neededModels(description);
   for (std::size_t i = 0; i < sources.robots.size(); ++i) {
     const SceneSources::Robot& robot = sources.robots[i];
-    description.robots[i].model = loadGeometry(*robot.source, robot.prefix, needed, broken);
+    description.robots[i].model = loadGeometry(*robot.source, robot.prefix, needed);
   }
-  if (sources.world) description.world = loadGeometry(*sources.world, "", needed, broken);
+  if (sources.world) description.world = loadGeometry(*sources.world, "", needed);
   return description;
 }
 

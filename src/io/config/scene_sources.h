@@ -37,13 +37,10 @@ class RobotSource {
   const std::shared_ptr<const RobotModel>& skeleton() const { return skeleton_; }
 
   /// The robot with the geometry of the links for which `wanted` is true, and of those that were
-  /// wanted before. Returns the same model if nothing is new. A mesh that cannot be used is left
-  /// out and listed in broken().
+  /// wanted before. Returns the same model if nothing is new. A mesh that cannot be used is
+  /// Link::missing.
   const std::shared_ptr<const RobotModel>& withGeometryOf(
       const std::function<bool(const std::string& link)>& wanted);
-
-  /// For the links wanted so far.
-  const std::vector<BrokenElement>& broken() const { return broken_; }
 
  private:
   struct Reference {
@@ -51,7 +48,7 @@ class RobotSource {
     Eigen::Vector3d scale;
   };
 
-  std::vector<Element> load(const Link& link);
+  std::vector<Element> load(const Link& link, std::vector<std::string>& missing);
 
   std::string urdf_;
   MeshLoader load_mesh_;
@@ -59,7 +56,6 @@ class RobotSource {
   std::shared_ptr<const RobotModel> skeleton_;
   std::shared_ptr<const RobotModel> loaded_;
   std::vector<char> has_geometry_;  // by link: in loaded_
-  std::vector<BrokenElement> broken_;
 };
 
 /// Warns of ineffective content. Errors and warnings name the origin.
@@ -92,9 +88,8 @@ struct SceneSources {
 
 /// With the geometry of only those links that are in some pair; the meshes of others are not read.
 /// `objects` are added to the configured floor; `restriction` replaces the configured one unless it
-/// is empty. Elements with a mesh that cannot be used are left out, and added to `broken` with
-/// their robot's prefix. Throws InputError.
+/// is empty. Throws InputError.
 SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> objects,
-                               const Restriction& restriction, std::vector<BrokenElement>& broken);
+                               const Restriction& restriction);
 
 }  // namespace collision_pairs

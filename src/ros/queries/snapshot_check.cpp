@@ -9,8 +9,7 @@ namespace collision_pairs {
 CollisionPairs toMessage(const CollisionReport& report, const Snapshot& snapshot,
                          const CheckSettings& settings, const ClosingReport* closing) {
   const ActiveScene& active = *snapshot.scene;
-  return toMessage(report, *active.scene, settings, active.frame, snapshot.stamp,
-                   active.broken_links, closing);
+  return toMessage(report, *active.scene, settings, active.frame, snapshot.stamp, closing);
 }
 
 CollisionPairs checkedMessage(LiveMonitor& monitor, const Snapshot& snapshot,

@@ -19,7 +19,8 @@ BagRow toRow(const CollisionReport& report, const CollisionScene& scene) {
     row.pairs.push_back(
         {listedPair(scene, pair.first, pair.second), pair.distance, pair.state != PairState::NEAR});
   }
-  if (!report.min_distance_is_bound) row.min_distance = report.min_distance;
+  const bool is_measured = !report.ended_early && !report.min_distance_is_bound;
+  if (is_measured) row.min_distance = report.min_distance;
   row.nb_pairs = report.candidates.size();
   for (const std::uint32_t model : report.left_out) {
     row.left_out.push_back(listedName(scene.models()[model].name));
@@ -142,8 +143,8 @@ void BagChecker::checkOneScene(std::size_t number, const BagIndex& index,
   urdf_ = robot.urdf.content;
   srdf_ = robot.srdf.content;
   SceneSource source;
-  source.review = [&](const SceneSources& sources, const CollisionScene& scene) {
-    requireWhole(sources, robot.urdf.origin, options_.scene.world);
+  source.review = [&](const CollisionScene& scene) {
+    requireWhole(scene.description(), robot.urdf.origin, options_.scene.world);
     reviewScene(scene, options_.scene, tell);
   };
   BagReplay replay(options_.bags[number], index, wants, options_.replay, source,
@@ -171,8 +172,8 @@ void BagChecker::checkRecordedScenes(std::size_t number, const BagIndex& index,
     return parameters;
   };
   source.objects_of = [&](const Scene& message) { return objectsOf(message, load_mesh); };
-  source.review = [&](const SceneSources& sources, const CollisionScene& scene) {
-    requireWhole(sources, scenes.topic(), scenes.topic());
+  source.review = [&](const CollisionScene& scene) {
+    requireWhole(scene.description(), scenes.topic(), scenes.topic());
     reviewScene(scene, options_.scene, tell);
   };
   SceneParameters parameters = source.parameters_of(scenes.first());

@@ -55,7 +55,7 @@ void BagRecorder::write(const CollisionReport& report, const CollisionScene& sce
                         const CheckSettings& settings, const std::string& frame, StampNs stamp) {
   ros::Time time;
   time.fromNSec(static_cast<std::uint64_t>(stamp));
-  const CollisionPairs message = toMessage(report, scene, settings, frame, time, {});
+  const CollisionPairs message = toMessage(report, scene, settings, frame, time);
   std_msgs::Bool in_collision;
   in_collision.data = message.in_collision;
   try {

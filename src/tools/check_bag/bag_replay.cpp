@@ -81,7 +81,7 @@ void BagReplay::run(SceneJob job) {
   job.run();
   monitor_.scenes().take(job);
   scene_ = monitor_.scenes().active();
-  scenes_.review(monitor_.scenes().parameters()->sources, *scene_->scene);
+  scenes_.review(*scene_->scene);
 }
 
 SceneParameters BagReplay::takeParameters() {

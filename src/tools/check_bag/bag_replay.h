@@ -26,7 +26,7 @@ struct SceneSource {
   std::function<SceneParameters(const Scene&)> parameters_of = nullptr;
   std::function<SceneObjects(const Scene&)> objects_of = nullptr;
   /// Of each scene that was built; may throw.
-  std::function<void(const SceneSources&, const CollisionScene&)> review = nullptr;
+  std::function<void(const CollisionScene&)> review = nullptr;
 };
 
 /// Feeds a Monitor with the messages of a bag, in the order and at the times at which they were

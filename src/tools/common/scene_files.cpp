@@ -196,14 +196,16 @@ CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) 
   return voxels;
 }
 
-void requireWhole(const SceneSources& sources, const std::string& urdf, const std::string& world) {
-  const auto require = [](const RobotSource& source, const std::string& origin) {
-    if (source.broken().empty()) return;
-    const auto& [link, reason] = source.broken().front();
-    throw InputError(origin + ": URDF: link '" + link + "': " + reason);
+void requireWhole(const SceneDescription& scene, const std::string& urdf,
+                  const std::string& world) {
+  const auto require = [](const RobotModel& model, const std::string& origin) {
+    for (const Link& link : model.links()) {
+      if (link.missing.empty()) continue;
+      throw InputError(origin + ": URDF: link '" + link.name + "': " + link.missing.front());
+    }
   };
-  for (const SceneSources::Robot& robot : sources.robots) require(*robot.source, urdf);
-  if (sources.world) require(*sources.world, world);
+  for (const SceneRobot& robot : scene.robots) require(*robot.model, urdf);
+  if (scene.world) require(*scene.world, world);
 }
 
 void reviewScene(const CollisionScene& scene, const SceneOptions& options, const Warn& tell) {
@@ -220,9 +222,8 @@ std::shared_ptr<const CollisionScene> buildScene(const SceneOptions& options, Fi
   const TextFrom srdf = options.srdf.empty() ? TextFrom() : textFromFile(options.srdf);
   SceneSources sources = readSources(textFromFile(options.urdf), srdf, options, warn);
   sources.config.settings.fidelity = fidelity;
-  std::vector<BrokenElement> broken;
-  const SceneDescription description = describeScene(sources, {}, {}, broken);
-  requireWhole(sources, options.urdf, options.world);
+  const SceneDescription description = describeScene(sources, {}, {});
+  requireWhole(description, options.urdf, options.world);
   const auto scene = CollisionScene::build(description);
   reviewScene(*scene, options, warn);
   return scene;
@@ -250,14 +251,15 @@ BagRobot robotOf(const BagIndex& bag, const SceneOptions& options) {
   if (robot.urdf.origin.empty()) {
     throw InputError("there is no robot_description in it; give --urdf");
   }
-  std::map<std::string, std::string> srdfs = bag.srdfs;
-  if (options.urdf.empty() && options.srdf.empty()) {  // as the node does
-    const std::string& urdf = bag.urdfs.begin()->first;
-    for (const auto& [topic, text] : bag.srdfs) {
-      if (!isOutsideNamespaceOf(urdf, topic)) continue;
+  const std::string urdf = options.urdf.empty() ? bag.urdfs.begin()->first : options.urdf;
+  std::map<std::string, std::string> srdfs;
+  for (const auto& [topic, text] : bag.srdfs) {
+    const bool is_beside = options.urdf.empty() && !isOutsideNamespaceOf(urdf, topic);
+    if (is_beside || !options.srdf.empty()) {
+      srdfs.emplace(topic, text);
+    } else {
       warn("topic " + topic + " is not used: it may be of another robot than " + urdf +
            "; --srdf gives one");
-      srdfs.erase(topic);
     }
   }
   robot.srdf = chooseText(options.srdf, srdfs, bag.changing, "--srdf");

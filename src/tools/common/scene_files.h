@@ -73,7 +73,7 @@ SceneSources sourcesOf(const BagRobot& robot, const SceneOptions& options, const
 void apply(const SceneOptions& options, SceneSources& sources);
 
 /// Throws InputError for a mesh that could not be used. `urdf`, `world`: where they are from.
-void requireWhole(const SceneSources& sources, const std::string& urdf, const std::string& world);
+void requireWhole(const SceneDescription& scene, const std::string& urdf, const std::string& world);
 /// Tells what the scene does not check; throws InputError if the options leave no pair.
 void reviewScene(const CollisionScene& scene, const SceneOptions& options, const Warn& tell);
 
