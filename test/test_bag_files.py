@@ -297,6 +297,17 @@ def test_an_srdf_further_up_than_the_urdf_is_not_used(run_bag):
         assert any("may be of another robot than /left/robot_description" in line for line in said) != is_used, said
 
 
+def test_an_srdf_beside_a_urdf_that_is_replaced_is_not_used(run_bag, tmp_path):
+    urdf = tmp_path / "boxes.urdf"
+    urdf.write_text(BOXES)
+    off = "<robot name='boxes'><disable_collisions link1='a' link2='x'/></robot>"
+    for namespace in ("", "/left"):
+        messages = [described(off, namespace + "/robot_description_semantic")] + states(at(100.0), at(100.5))
+        _, said = run_bag(messages, "--urdf", urdf)
+        assert any("semantic is not used: it may be of another robot than %s; --srdf gives one" % urdf in line for line in said)
+        assert not any("not links of the robot" in line for line in said), said
+
+
 def test_a_path_that_is_no_bag_is_said_to_be_none(run_tool, tmp_path):
     for path, why in ((tmp_path / "none.bag", "there is no such file"), (tmp_path, "is not a file")):
         done = run_tool("check_bag", path, "--urdf", DEMO_ROBOT[1])

@@ -93,10 +93,19 @@ def test_a_replay_takes_the_robot_as_check_bag_does_and_leaves_nothing_of_an_ear
     assert replayed(tmp_path, [("/left/robot_description", urdf), (semantic, srdf)])[semantic] == "", "of another robot"
     given = tmp_path / "given.urdf"
     given.write_text(urdf.data)
-    assert replayed(tmp_path, [(semantic, srdf)], "urdf:=%s" % given)[semantic] == srdf.data
-    assert replayed(tmp_path, [("/joint_states", srdf)], "urdf:=%s" % given)[semantic] == ""
+    own = "/collision_pairs_node/robot_description_semantic"  # found before the other
+    assert replayed(tmp_path, [(semantic, srdf)], "urdf:=%s" % given)[own] == "", "of another robot"
+    assert replayed(tmp_path, [(semantic, srdf)], "urdf:=%s" % given, "srdf:=%s" % given)[semantic] == urdf.data
     with pytest.raises(RLException):
         replayed(tmp_path, [("/left/robot_description", urdf), ("/right/robot_description", urdf)])
+
+
+def test_with_a_urdf_alone_an_srdf_of_an_earlier_launch_is_not_found(tmp_path):
+    given = tmp_path / "given.urdf"
+    given.write_text("<robot name='r'><link name='a'/></robot>")
+    for arguments, expected in (([], None), (["urdf:=%s" % given], ""), (["urdf:=%s" % given, "srdf:=%s" % given], None)):
+        own = loaded("collision_pairs.launch", *arguments).params.get("/collision_pairs_node/robot_description_semantic")
+        assert (own and own.value) == expected
 
 
 def test_where_the_recorded_node_had_objects_the_one_of_a_replay_knows_that_it_lacks_them(tmp_path):

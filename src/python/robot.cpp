@@ -21,26 +21,36 @@ PythonRobot makeRobot(const TextFrom& urdf, const py::object& srdf) {
   return robot;
 }
 
-/// The text of a ROS parameter, searched for from the caller's namespace upwards; None if there is
-/// none of that name.
-py::object parameter(const std::string& name) {
+struct TextParameter {
+  std::string key;               ///< resolved
+  py::object text = py::none();  ///< None if there is none of that name
+};
+
+/// Searched for from the caller's namespace upwards.
+TextParameter parameter(const std::string& name) {
   const py::module rospy = py::module::import("rospy");
   const py::object found = rospy.attr("search_param")(name);
-  if (found.is_none()) return py::none();
-  const py::object text = rospy.attr("get_param")(found);
-  if (!isStr(text)) {
-    throw InputError("parameter '" + found.cast<std::string>() + "' is not text");
-  }
-  return text;
+  if (found.is_none()) return {};
+  TextParameter made{found.cast<std::string>(), rospy.attr("get_param")(found)};
+  if (!isStr(made.text)) throw InputError("parameter '" + made.key + "' is not text");
+  return made;
 }
 
+/// An SRDF further up than the URDF is used only where it was named with its namespace.
 PythonRobot robotFromParameters(const std::string& description, const std::string& semantic) {
-  const py::object urdf = parameter(description), srdf = parameter(semantic);
-  if (urdf.is_none()) {
+  const TextParameter urdf = parameter(description);
+  TextParameter srdf = parameter(semantic);
+  if (urdf.text.is_none()) {
     throw InputError("parameter '" + description +
                      "' is not set, neither here nor in a namespace above");
   }
-  return makeRobot({"parameter '" + description + "'", utf8From(urdf)}, srdf);
+  const bool is_named = !semantic.empty() && semantic.front() == '/';
+  if (!srdf.text.is_none() && !is_named && isOutsideNamespaceOf(urdf.key, srdf.key)) {
+    warn("parameter '" + srdf.key + "' is not used: it may be of another robot than '" + urdf.key +
+         "'; put it beside that, or give semantic='" + srdf.key + "'");
+    srdf.text = py::none();
+  }
+  return makeRobot({"parameter '" + description + "'", utf8From(urdf.text)}, srdf.text);
 }
 
 void requireUtf8(const TextFrom& file) {

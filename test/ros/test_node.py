@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import unittest
+import warnings
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -105,6 +106,29 @@ class NodeTest(unittest.TestCase):
                              [(own.models[p["first"]], own.models[p["second"]], p["state"]) for p in own.pairs])
             for a, b in zip(served.pairs, own.pairs):
                 self.assertAlmostEqual(a.distance, b["distance"], places=9)
+
+    @unittest.skipIf(SANITIZED, "an interpreter without the sanitizer cannot load the module")
+    def test_python_does_not_use_an_srdf_further_up_than_the_urdf(self):
+        box = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
+        joint = "<joint name='to_%s' type='continuous'><parent link='%s'/><child link='%s'/></joint>"
+        rospy.set_param("/left/robot_description", "<robot name='demo_robot'>%s</robot>" % (
+            "".join(box % name for name in "abc") + "".join(joint % (child, parent, child) for parent, child in ("ab", "bc"))))
+        off = "<robot name='demo_robot'>%s</robot>" % "".join(
+            "<disable_collisions link1='%s' link2='%s'/>" % tuple(pair) for pair in ("ab", "bc", "ac"))
+        for semantic, is_used in (("/left/robot_description_semantic", True), ("/robot_description_semantic", False)):
+            before = rospy.get_param(semantic, "")
+            rospy.set_param(semantic, off)
+            try:
+                with warnings.catch_warnings(record=True) as said:
+                    warnings.simplefilter("always")
+                    robot = cp.Robot.from_parameters("/left/robot_description", semantic[1:])
+                    beside = cp.Robot.from_parameters("/left/robot_description", semantic)
+            finally:
+                rospy.set_param(semantic, before) if before else rospy.delete_param(semantic)
+            self.assertEqual(any("is not used: it may be of another robot" in str(one.message) for one in said), not is_used)
+            verdicts = [cp.Detector(cp.Scene(one)).check([0.0, 0.0], ["to_b", "to_c"]).verdict for one in (robot, beside)]
+            self.assertEqual(verdicts[0] == cp.Verdict.COLLISION, not is_used)
+            self.assertNotEqual(verdicts[1], cp.Verdict.COLLISION)
 
     @unittest.skipIf(SANITIZED, "an interpreter without the sanitizer cannot load the module")
     def test_the_example_of_a_live_robot_sees_the_verdict(self):
