@@ -150,6 +150,17 @@ two.bag: 1 stamps over 0.000 s
 """
 
 
+def test_no_time_passes_where_stamps_go_back(run_tool, tmp_path):
+    """As where no pose is known at first, and the rows have the times of the recording."""
+    back = table_of("back.bag", [
+        (5100.0, "unknown", {}, ["e"]), (100.0, "free", {}, []), (100.5, "collision", {"a|b": (-0.002, True)}, []),
+        (101.5, "free", {}, [])])
+    said = summary_of(run_tool, tmp_path, [back], "--max-gap", "2")
+    for line in ("4 stamps over 5000.000 s", "unknown           0.000 s, 1 stamps", "in contact        1.000 s, 1 stamps",
+                 "closest         -0.0020 m at +0.500 s", "    back by 5000.000 s after +5000.000 s\n"):
+        assert line in said, said
+
+
 def test_a_bag_that_comes_twice_is_summed_up_twice(run_tool, tmp_path):
     once = table_of("one.bag", [(100.0 + 0.25 * i, "free", {"a|b": (0.01, False)}, []) for i in range(9)])
     summary = summary_of(run_tool, tmp_path, [once])

@@ -162,6 +162,7 @@ def test_verdict_only_gives_the_verdicts_and_at_most_one_pair(check_bag):
     for one, all_pairs in zip(quick, whole):
         assert "" not in one["pairs"].split(";")[1:]
         assert set(one["pairs"].split(";")) <= set(all_pairs["pairs"].split(";")) and ";" not in one["pairs"]
+        assert not (one["pairs"] and one["min_distance"]), "a distance that was not measured"
 
 
 def test_a_clock_that_goes_back_within_a_bag_is_said(check_bag, tmp_path):

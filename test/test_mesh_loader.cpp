@@ -120,7 +120,7 @@ TEST_F(MeshLoaderTest, AUrdfOfAFileHasPathsRelativeToItsFolder) {
   EXPECT_THAT(refusal("none.stl"), testing::HasSubstr("there is no file"));
   EXPECT_THAT(refusal("http://x/t.stl"), testing::HasSubstr("only package:// and file://"));
   load_ = relativeTo("", makeMeshLoader());
-  EXPECT_THAT(refusal("t.stl"), testing::HasSubstr("it is relative to a file"));
+  EXPECT_THAT(refusal("t.stl"), testing::HasSubstr("it has no scheme"));
 }
 
 TEST_F(MeshLoaderTest, AsciiStlIsReadHoweverItIsWritten) {
@@ -191,7 +191,8 @@ TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUriInTheseWords) {
       {"package://collision_pairs/none.stl", "there is no file " + demo},
       {"http://127.0.0.1/x.stl", "only package:// and file:// are read"},
       {"x.stl",
-       "it is relative to a file that is not known here; write package://PACKAGE/PATH or "
+       "it has no scheme, and the file that it may be relative to is not known here; write "
+       "package://PACKAGE/PATH or "
        "file:///PATH, or give the URDF as a file"},
       {"xfile://x.stl", "only package:// and file:// are read"},
       {"file:///dev/zero", "/dev/zero is not a file"},

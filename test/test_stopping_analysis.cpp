@@ -326,6 +326,17 @@ TEST(StoppingAnalysis, ADirectionThatIsTooSlowToBeMeasuredIsRefused) {
   EXPECT_LE(analysisOf(random, its, truth, outside).joints[0].deceleration, 0.3);
 }
 
+/// As where joints are named in another order than the commands have them.
+TEST(StoppingAnalysis, AJointThatStandsStillIsSaidTo) {
+  RandomInputs random;
+  Case its;
+  Truth truth;
+  Outside outside;
+  its.servo.slope = 0.0;
+  EXPECT_THAT(refusal([&] { analysisOf(random, its, truth, outside); }),
+              AllOf(HasSubstr("joint 'elbow' stood still"), HasSubstr("order of --joints")));
+}
+
 /// … and so where joint states are missing in each slow stop.
 TEST(StoppingAnalysis, AChangeWithoutJointStatesIsNotLeftOut) {
   RandomInputs random;

@@ -103,6 +103,7 @@ FoundBodies RobotPoses::place(const Layout& layout, StampNs stamp,
       try {
         found.X_WB[b] = layout.ways.poseOf(frame, way, stamp) * links_.X_BL(frame).inverse();
         found.known[b] = 1;
+        if (way.oldest != NEVER) found.stamp = stamp;
       } catch (const InputError& error) {
         found.problems[b] = error.what();
       }
@@ -190,7 +191,7 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
     if (is_lagging) found.known[b] = 0;
     if (!found.known[b] && !problems[b].empty()) found.problems[b] = problems[b];
   }
-  found.stamp = stamps.common;
+  if (stamps.common != NEVER) found.stamp = stamps.common;
   return found;
 }
 

@@ -17,7 +17,7 @@ struct FoundBodies {
   std::vector<char> known;
   std::vector<Eigen::Isometry3d> X_WB;
   std::vector<std::string> problems;  ///< why a body that is wanted is not known
-  StampNs stamp = NEVER;              ///< of all of them, by newest() only; NEVER: all static
+  StampNs stamp = NEVER;              ///< of all of them; NEVER: those that are known are static
 };
 
 /// The newest instant for which bodies are known, and their newest transform, also of a suspect

@@ -291,9 +291,9 @@ void SimulatedNode::judgeHealth(const CloudHealth& health) {
   if (std::abs(age - 3.0) > 1e-6 && std::abs(health.rate - rate) > 1e-3 * (1.0 + rate)) {
     fail("the rate of clouds is another");
   }
+  if (health.points != sent_points_) fail("the number of points is another");
   if (nb_used_ == 0) return;
   if (std::abs(health.latency - latency_) > ROUNDING) fail("the latency of clouds is another");
-  if (health.points != sent_points_) fail("the number of points is another");
   if (health.kept > health.points || health.processing <= 0.0) {
     fail("the numbers of points do not agree");
   }

@@ -152,6 +152,7 @@ class SimulatedNode {
   void judgeReasons(const Snapshot& snapshot);
   void judgeLeftOut(const Snapshot& snapshot);
   void judgeWords(const std::string& reason);
+  void judgeJointsOf(const JointQuery& query, const std::vector<std::string>& names);
   void judgeLagging(const Snapshot& limited);
   bool isGeometryMissing() const;
   void judgeFree(const Snapshot& snapshot);

@@ -63,6 +63,7 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
     Snapshot asked = monitor_.withJoints(scene, names, toTime(at_stamp));
     const Ns stamp = static_cast<Ns>(asked.stamp.toNSec());
     if (at_stamp > 0 && stamp != at_stamp) fail("a request is of another stamp");
+    judgeJointsOf(*asked.joints, names);
     Poses at;
     bool are_certain = ros_ > 0 && !knowledge_.isClockSuspect() && !setup_.has_cloud &&
                        knowledge_.isCertain(-1, stamp);
@@ -141,6 +142,20 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
     }
   } catch (const InputError&) {
   }
+}
+
+/// Each joint that is not named is either as TF has it, or at zero.
+void SimulatedNode::judgeJointsOf(const JointQuery& query, const std::vector<std::string>& names) {
+  std::multiset<std::string> said(query.jointsFromTf().begin(), query.jointsFromTf().end()),
+      expected;
+  said.insert(query.jointsAtZero().begin(), query.jointsAtZero().end());
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    const bool is_fixed = setup_.of(i).joint == SimulatedLink::FIXED;
+    const bool is_named = std::find(names.begin(), names.end(), jointName(i)) != names.end();
+    if (!is_fixed && !is_named && !setup_.isBase(i)) expected.insert(jointName(i));
+  }
+  said.erase("j_mast");
+  if (said != expected) fail("joints that are not named are left out, or counted twice");
 }
 
 /// The limiter takes the newest position of each joint: one that is behind the others is suspect.

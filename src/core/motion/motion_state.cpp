@@ -55,8 +55,11 @@ void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed) {
   }
   for (std::size_t i = 0; i < nb_joints; ++i) {
     if (std::isfinite(from_[i]) && std::isfinite(to_[i] - from_[i])) continue;
-    throw InputError("joint '" + robot_.joints()[i].name +
-                     "': the ends of its motion, or the way between them, are not finite");
+    const Joint& joint = robot_.joints()[i];
+    throw InputError("joint '" + joint.name + "': " +
+                     (joint.leader_missing
+                          ? "it needs a position, because the joint that it mimics does not exist"
+                          : "the ends of its motion, or the way between them, are not finite"));
   }
   setDeviation(motion.deviation);
   begun_ = ++now_;

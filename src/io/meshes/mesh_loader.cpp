@@ -60,8 +60,8 @@ class Loader {
     if (uri.rfind(FILE, 0) == 0) return existing(uri.substr(FILE.size()));
     if (uri.find("://") == std::string::npos) {
       fail(uri,
-           "it is relative to a file that is not known here; write package://PACKAGE/PATH or "
-           "file:///PATH, or give the URDF as a file");
+           "it has no scheme, and the file that it may be relative to is not known here; write "
+           "package://PACKAGE/PATH or file:///PATH, or give the URDF as a file");
     }
     if (uri.rfind(PACKAGE, 0) != 0) fail(uri, "only package:// and file:// are read");
     const std::size_t slash = uri.find('/', PACKAGE.size());

@@ -38,8 +38,8 @@ void printList(const List& list, std::ostream& out, const Print& print) {
 }
 
 /// A few lines about each bag, fed row by row in the order of the table. Durations count from a
-/// stamp to the next one, unless there is a gap between them. Memory: a few words per pair of links
-/// and per gap.
+/// stamp to the next one, unless there is a gap between them or the next one is earlier. Memory: a
+/// few words per pair of links and per gap.
 class BagSummary {
  public:
   /// Seconds: stamps further apart are a gap.
@@ -49,12 +49,14 @@ class BagSummary {
     if (bags_.empty() || bags_.back().name != row.bag || row.state == 0) {
       bags_.emplace_back();
       bags_.back().name = row.bag;
-      bags_.back().first_stamp = row.stamp;
+      bags_.back().first_stamp = bags_.back().last_stamp = row.stamp;
     } else {
       pass(bags_.back(), row.stamp);
     }
     Bag& bag = bags_.back();
     ++bag.nb_rows;
+    bag.first_stamp = std::min(bag.first_stamp, row.stamp);
+    bag.last_stamp = std::max(bag.last_stamp, row.stamp);
     if (row.verdict == Verdict::COLLISION) ++bag.nb_in_contact;
     if (row.verdict == Verdict::UNKNOWN) ++bag.nb_unknown;
     if (row.min_distance && (!bag.closest || *row.min_distance < *bag.closest)) {
@@ -90,7 +92,7 @@ class BagSummary {
   struct Bag {
     std::string name;
     BagRow last;
-    StampNs first_stamp = 0;
+    StampNs first_stamp = 0, last_stamp = 0;  ///< the earliest and the latest
     std::uint64_t nb_rows = 0;
     std::uint64_t nb_in_contact = 0, nb_unknown = 0;
     double in_contact = 0.0, unknown = 0.0, in_alarm = 0.0;  ///< seconds
@@ -104,7 +106,7 @@ class BagSummary {
   /// The last row applies until then.
   void pass(Bag& bag, StampNs until) const {
     const double length = inSeconds(until - bag.last.stamp);
-    if (length > max_gap_) return bag.gaps.push_back({bag.last.stamp, length});
+    if (length < 0.0 || length > max_gap_) return bag.gaps.push_back({bag.last.stamp, length});
     if (bag.last.verdict == Verdict::COLLISION) {
       bag.in_contact += length;
     } else if (bag.last.verdict == Verdict::UNKNOWN) {
@@ -120,7 +122,7 @@ class BagSummary {
   void print(const Bag& bag, std::ostream& out) const {
     const auto offset = [&](StampNs stamp) { return inSeconds(stamp - bag.first_stamp); };
     out << bag.name << ": " << bag.nb_rows << " stamps over "
-        << formatted("%.3f s\n", offset(bag.last.stamp));
+        << formatted("%.3f s\n", offset(bag.last_stamp));
     out << formatted("  in contact    %9.3f s, %llu stamps\n", bag.in_contact,
                      static_cast<unsigned long long>(bag.nb_in_contact));
     out << formatted("  unknown       %9.3f s, %llu stamps\n", bag.unknown,
@@ -130,7 +132,9 @@ class BagSummary {
       out << formatted("  closest       %+9.4f m at +%.3f s\n", *bag.closest,
                        offset(bag.closest_stamp));
     } else {
-      out << "  closest       beyond the alarm distance (--min-distance finds it)\n";
+      out << (bag.nb_in_contact > 0
+                  ? "  closest       not measured\n"
+                  : "  closest       beyond the alarm distance (--min-distance finds it)\n");
     }
 
     std::vector<std::pair<std::string, Approach>> pairs(bag.pairs.begin(), bag.pairs.end());
@@ -147,7 +151,8 @@ class BagSummary {
     out << formatted(
         bag.gaps.empty() ? "  no gap longer than %g s\n" : "  gaps longer than %g s:\n", max_gap_);
     printList(bag.gaps, out, [&](const Gap& gap) {
-      out << formatted("%.3f s after +%.3f s", gap.length, offset(gap.begin));
+      out << formatted(gap.length < 0.0 ? "back by %.3f s after +%.3f s" : "%.3f s after +%.3f s",
+                       std::abs(gap.length), offset(gap.begin));
     });
     if (!bag.left_out.empty()) out << "  left out (no pose; clouds: too old or incomplete):\n";
     printList(bag.left_out, out,

@@ -12,6 +12,7 @@
 namespace collision_pairs {
 namespace {
 
+constexpr double STANDS = 0.05;  // a joint that moves by less, of the way commanded
 constexpr double LONGEST_BEFORE = 0.5, LONGEST_AFTER = 2.0;  // s of a step that are looked at
 constexpr double AVERAGED = 0.02;                            // s
 constexpr double LEAST_NOISE = 1e-6;                         // rad or m
@@ -88,10 +89,20 @@ RecordedJoint::RecordedJoint(const StoppingRecording& recording, std::size_t joi
     times_.push_back(command.arrival);
     velocities_.push_back(velocity);
   }
+  double longest_way = 0.0;  // the longest way of one command
   for (std::size_t i = 0; i < times_.size(); ++i) {
     const double last = i > 0 ? times_[i - 1] : states_.front().stamp;
     const double next = i + 1 < times_.size() ? times_[i + 1] : states_.back().stamp;
     if (!takeStep(i, times_[i] - last, next - times_[i])) ++nb_other;
+    longest_way = std::max(longest_way, std::abs(velocities_[i + 1]) * (next - times_[i]));
+  }
+  const auto [low, high] =
+      std::minmax_element(states_.begin(), states_.end(),
+                          [](const auto& a, const auto& b) { return a.position < b.position; });
+  if (steps.empty() && high->position - low->position < STANDS * longest_way) {
+    throw InputError("joint '" + name +
+                     "' stood still, though it was commanded to move: is the "
+                     "order of --joints that of the commands, and does its drive follow them?");
   }
   if (steps.empty()) {
     throw InputError("joint '" + name + "' has no step of its command that can be measured (" +
