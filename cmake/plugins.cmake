@@ -29,7 +29,9 @@ if(moveit_core_FOUND)
   add_library(collision_pairs_moveit SHARED
     src/planners/moveit/moveit_check.cpp
     src/planners/moveit/moveit_collision_env.cpp
+    src/planners/moveit/moveit_limits.cpp
     src/planners/moveit/moveit_motion.cpp
+    src/planners/moveit/moveit_octree.cpp
     src/planners/moveit/moveit_plugin.cpp
     src/planners/moveit/moveit_scene.cpp
     src/planners/moveit/moveit_shapes.cpp

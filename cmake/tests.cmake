@@ -9,6 +9,7 @@ pkg_check_modules(GMOCK_MAIN REQUIRED IMPORTED_TARGET gtest_main gmock)
 # Robots and motions of the benchmarks, and parts of programs that are in no library.
 add_library(test_parts STATIC EXCLUDE_FROM_ALL
   src/demo/depth_image.cpp
+  src/planners/moveit/moveit_octree.cpp
   src/planners/moveit/moveit_scene.cpp
   src/planners/moveit/moveit_shapes.cpp
   src/tools/measure_stopping/stopping_analysis.cpp
@@ -236,6 +237,7 @@ target_sources(test_monitor_simulation PRIVATE test/simulation/plain_knowledge.c
   test/simulation/simulated_reasons.cpp test/simulation/simulated_refusals.cpp
   test/simulation/simulated_scene.cpp)
 collision_pairs_test_alone(moveit_scene test_parts collision_pairs_ros)  # it has a NEVER of its own
+collision_pairs_test_alone(moveit_shapes test_parts collision_pairs_ros)
 collision_pairs_test_alone(in_parallel ${CMAKE_DL_LIBS})
 collision_pairs_test_alone(sweep_allocations ${CMAKE_DL_LIBS})
 collision_pairs_test_alone(sweep_kernel)

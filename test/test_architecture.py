@@ -52,7 +52,7 @@ def test_only_the_detector_for_moveit_knows_moveit():
     assert knowing and all(file.startswith("src/planners/moveit/") for file in knowing), knowing
     # What can be tested without MoveIt stands in files without it.
     assert not knowing & {"src/planners/moveit/moveit_%s" % name
-                          for name in ("scene.h", "scene.cpp", "shapes.h", "shapes.cpp")}
+                          for name in ("octree.h", "octree.cpp", "scene.h", "scene.cpp", "shapes.h", "shapes.cpp")}
 
 
 def headers_below(folder):

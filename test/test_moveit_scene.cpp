@@ -1,16 +1,13 @@
-// What the detector for MoveIt does without types of MoveIt: rules, shapes, scenes.
+// What the detector for MoveIt does without types of MoveIt: rules and scenes.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include <geometric_shapes/shapes.h>
 #include <gmock/gmock.h>
 #include <octomap/OcTree.h>
 
 #include "collision_pairs/input_error.h"
 #include "moveit_scene.h"
-#include "moveit_shapes.h"
-#include "random_inputs.h"
 
 namespace collision_pairs::test_moveit_scene {
 
@@ -64,140 +61,6 @@ TEST(AMimicJoint, EndsWhereItsLeaderPutsItOrNotAtAll) {
   EXPECT_FALSE(endOfMimic(0.5, 0.5, 0.1, std::numeric_limits<double>::quiet_NaN(), true));
 }
 
-TEST(Shapes, BecomeElementsInTheirPlaces) {
-  MoveitShapes shapes;
-  std::vector<Element> elements;
-  const Isometry3d X_ME(Translation3d(1.0, 2.0, 3.0));
-  shapes.append(std::make_shared<shapes::Box>(1.0, 2.0, 3.0), 2.0, X_ME, elements);
-  shapes.append(std::make_shared<shapes::Cylinder>(1.0, 3.0), 2.0, X_ME, elements);
-  shapes.append(std::make_shared<shapes::Sphere>(1.0), 2.0, X_ME, elements);
-  shapes.append(std::make_shared<shapes::Cone>(1.0, 3.0), 2.0, X_ME, elements);
-  ASSERT_EQ(elements.size(), 4u);
-  EXPECT_EQ(std::get<Box>(elements[0].shape).size, Eigen::Vector3d(2.0, 4.0, 6.0));
-  EXPECT_EQ(std::get<Cylinder>(elements[1].shape).radius, 2.0);
-  EXPECT_EQ(std::get<Cylinder>(elements[1].shape).length, 6.0);
-  EXPECT_EQ(std::get<Sphere>(elements[2].shape).radius, 2.0);
-  EXPECT_EQ(std::get<Convex>(elements[3].shape).mesh->vertices.back(), Eigen::Vector3d(0, 0, 3));
-  for (const Element& element : elements) EXPECT_EQ(element.X_LE.matrix(), X_ME.matrix());
-  const auto plane = std::make_shared<shapes::Plane>(0.0, 0.0, 1.0, 0.0);
-  EXPECT_THROW(shapes.append(plane, 1.0, X_ME, elements), InputError);
-}
-
-TEST(Shapes, ShareTheTrianglesOfAMeshUnlessItIsScaled) {
-  auto mesh = std::make_shared<shapes::Mesh>(3, 1);
-  for (unsigned i = 0; i < 9; ++i) mesh->vertices[i] = i * i;
-  for (unsigned i = 0; i < 3; ++i) mesh->triangles[i] = i;
-  MoveitShapes shapes;
-  std::vector<Element> elements;
-  for (const double scale : {1.0, 1.0, 3.0}) {
-    shapes.append(mesh, scale, Isometry3d::Identity(), elements);
-  }
-  const auto triangles = [&](int i) { return std::get<Mesh>(elements[i].shape).mesh; };
-  EXPECT_EQ(triangles(0), triangles(1));
-  EXPECT_EQ(triangles(0)->vertices[1], Eigen::Vector3d(9, 16, 25));
-  EXPECT_THAT(triangles(0)->triangles[0], ElementsAre(0, 1, 2));
-  EXPECT_NEAR((triangles(2)->vertices[1] - triangles(2)->vertices[0]).norm(),
-              3.0 * (triangles(0)->vertices[1] - triangles(0)->vertices[0]).norm(), 1e-9);
-}
-
-TEST(Shapes, AreAlikeIfTheirNumbersAre) {
-  const auto tree = std::make_shared<octomap::OcTree>(0.5);
-  const auto mesh = [](double x, unsigned last) {
-    auto made = std::make_shared<shapes::Mesh>(4, 1);
-    std::fill(made->vertices, made->vertices + 12, 1.0);
-    made->vertices[0] = x;
-    for (unsigned i = 0; i < 3; ++i) made->triangles[i] = i;
-    made->triangles[2] = last;
-    return made;
-  };
-  const auto make = [&] {  // none like another
-    return std::vector<shapes::ShapeConstPtr>{std::make_shared<shapes::Sphere>(1.0),
-                                              std::make_shared<shapes::Sphere>(2.0),
-                                              std::make_shared<shapes::Cylinder>(1.0, 2.0),
-                                              std::make_shared<shapes::Cylinder>(1.0, 3.0),
-                                              std::make_shared<shapes::Cylinder>(2.0, 2.0),
-                                              std::make_shared<shapes::Cone>(1.0, 2.0),
-                                              std::make_shared<shapes::Cone>(1.0, 3.0),
-                                              std::make_shared<shapes::Cone>(2.0, 2.0),
-                                              std::make_shared<shapes::Box>(1.0, 2.0, 3.0),
-                                              std::make_shared<shapes::Box>(1.0, 2.0, 4.0),
-                                              mesh(0.0, 2),
-                                              mesh(1.0, 2),
-                                              mesh(0.0, 3),
-                                              std::make_shared<shapes::OcTree>(tree),
-                                              std::make_shared<shapes::OcTree>()};
-  };
-  const auto some = make(), others = make();
-  for (std::size_t i = 0; i < some.size(); ++i) {
-    for (std::size_t j = 0; j < some.size(); ++j) {
-      EXPECT_EQ(areAlike(some[i], others[j]), i == j) << i << ' ' << j;
-    }
-  }
-}
-
-TEST(AnOctree, IsItsOccupiedLeavesOfAnySize) {
-  octomap::OcTree tree(0.5);
-  for (double x : {0.25, 0.75}) {
-    for (double y : {0.25, 0.75}) {
-      for (double z : {0.25, 0.75}) tree.updateNode(octomap::point3d(x, y, z), true);
-    }
-  }
-  tree.updateNode(octomap::point3d(5.25f, 0.25f, 0.25f), true);
-  tree.updateNode(octomap::point3d(-5.25f, 0.25f, 0.25f), false);
-  tree.prune();
-  const std::vector<OctreeLeaf> leaves = occupiedLeaves(tree);
-  EXPECT_THAT(leaves, testing::UnorderedElementsAre(OctreeLeaf{0.5, 0.5, 0.5, 1.0},
-                                                    OctreeLeaf{5.25, 0.25, 0.25, 0.5}));
-  tree.updateNode(octomap::point3d(0.25f, 0.25f, 0.25f), false);
-  EXPECT_FALSE(occupiedLeaves(tree) == leaves);
-}
-
-TEST(OctreesAmongShapes, ShowTheirChangesInPlaceEachByItself) {
-  const auto first = std::make_shared<octomap::OcTree>(0.5);
-  const auto second = std::make_shared<octomap::OcTree>(0.5);
-  const octomap::point3d centre(0.25f, 0.25f, 0.25f);
-  first->updateNode(centre, true);
-  const std::vector<shapes::ShapeConstPtr> parts = {
-      std::make_shared<shapes::OcTree>(first), std::make_shared<shapes::Sphere>(1.0),
-      std::make_shared<shapes::OcTree>(second), std::make_shared<shapes::OcTree>()};
-  const LeavesOfOctrees none, leaves(parts);
-  EXPECT_FALSE(none.areOf(parts));
-  EXPECT_TRUE(none.areOf({parts[1]}));
-  EXPECT_TRUE(leaves.areOf(parts));
-  EXPECT_FALSE(leaves.areOf({parts[0], parts[2]})) << "there was a third";
-  EXPECT_FALSE(leaves.areOf({parts[2], parts[0], parts[3]})) << "the other one has the leaf";
-  second->updateNode(centre, true);
-  EXPECT_FALSE(leaves.areOf(parts));
-  second->clear();
-  EXPECT_TRUE(leaves.areOf(parts));
-  first->setResolution(0.25);
-  EXPECT_FALSE(leaves.areOf(parts));
-  first->setResolution(0.5);
-  first->clear();
-  EXPECT_FALSE(leaves.areOf(parts));
-}
-
-TEST(OctreesAmongShapes, ShowTheirChangesIfAndOnlyIfALeafDoes) {
-  RandomInputs random;
-  const auto tree = std::make_shared<octomap::OcTree>(0.5);
-  const std::vector<shapes::ShapeConstPtr> parts = {std::make_shared<shapes::OcTree>(tree)};
-  int nb_changes = 0, nb_same = 0;
-  for (int round = 0; round < 500; ++round) {
-    const LeavesOfOctrees seen(parts);
-    const std::vector<OctreeLeaf> before = occupiedLeaves(*tree);
-    for (int i = random.integer(0, 3); i > 0; --i) {
-      const auto at = [&] { return 0.25f + 0.5f * static_cast<float>(random.integer(-2, 1)); };
-      tree->setNodeValue(octomap::point3d(at(), at(), at()), random.integer(0, 1) ? 1.0f : -1.0f);
-    }
-    if (random.integer(0, 3) == 0) tree->prune();
-    const bool is_same = occupiedLeaves(*tree) == before;
-    ASSERT_EQ(seen.areOf(parts), is_same) << "round " << round;
-    ++(is_same ? nb_same : nb_changes);
-  }
-  EXPECT_GT(nb_changes, 50);
-  EXPECT_GT(nb_same, 50);
-}
-
 class AScene : public testing::Test {
  protected:
   AScene() {
@@ -213,13 +76,14 @@ class AScene : public testing::Test {
     object.X_PO.translation().x() = x;
     return object;
   }
-  /// The links, and what is attached to them, at x = 0, 10, 20.
+  /// The links, and what is attached to them, at x = 0, 10, 20; in the frame of an octree.
   static void setPoses(const MoveitScene& scene, double moved, BodyPoses& poses) {
     poses.resize(scene.scene().bodies().size());
     for (std::size_t i = 0; i < poses.X_WB.size(); ++i) {
       poses.X_WB[i].translation().x() = 10.0 * scene.moving(i).link;
       if (scene.moving(i).link == 0) poses.X_WB[i].translation().x() += moved;
     }
+    if (scene.octree()) scene.toOctree(poses);
   }
   Verdict check(const MoveitScene& scene, double moved = 0.0) const {
     const MoveitScene::Lease worker = scene.lease();
@@ -230,6 +94,10 @@ class AScene : public testing::Test {
   std::vector<std::string> contactsOf(const MoveitScene& scene, double moved) const {
     const MoveitScene::Lease worker = scene.lease();
     setPoses(scene, moved, worker->poses);
+    if (scene.readsLeaves()) {
+      worker->poses.voxels =
+          voxelsOf(scene.resolution(), scene.leavesWithin(0.0, nullptr, *worker));
+    }
     std::vector<std::string> contacts;
     const auto& models = scene.scene().models();
     for (const PairReport& pair : worker->detector.detect(worker->poses, CheckSettings()).pairs) {
@@ -263,35 +131,35 @@ TEST_F(AScene, HasEachLinkAsABodyOfItsOwn) {
 }
 
 TEST_F(AScene, OfAWorldChangesWithTheFirstAndLastObject) {
-  const auto empty = MoveitScene::ofWorld(moving_, {}, cache_);
+  const auto empty = MoveitScene::ofWorld(moving_, {}, {}, cache_);
   EXPECT_FALSE(empty->hasPairs());
-  const auto one = empty->with({{objectAt("box[1]", 10.0)}, {}}, cache_);
+  const auto one = empty->with({{objectAt("box[1]", 10.0)}, {}}, {}, cache_);
   EXPECT_TRUE(one->hasPairs());
   EXPECT_TRUE(one->hasObject("box[1]"));
   EXPECT_FALSE(one->hasObject("box[2]"));
   EXPECT_EQ(check(*one), Verdict::COLLISION);
   EXPECT_EQ(check(*one, 10.0), Verdict::COLLISION);
-  const auto moved = one->with({{objectAt("box[1]", 30.0)}, {}}, cache_);
+  const auto moved = one->with({{objectAt("box[1]", 30.0)}, {}}, {}, cache_);
   EXPECT_EQ(check(*moved), Verdict::FREE);
   EXPECT_EQ(check(*moved, 10.0), Verdict::FREE);  // links are not checked against each other
-  EXPECT_FALSE(moved->with({{}, {"box[1]"}}, cache_)->hasPairs());
+  EXPECT_FALSE(moved->with({{}, {"box[1]"}}, {}, cache_)->hasPairs());
   EXPECT_EQ(&moved->scene().robot(), &empty->scene().robot());
 }
 
 TEST_F(AScene, RefusesAnObjectWithTheNameThatItUsesItself) {
-  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 30.0)}, cache_);
+  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 30.0)}, {}, cache_);
   std::string taken;
   for (const CollisionModel& model : world->scene().models()) {
     if (MoveitScene::isPlaceholder(model.name)) taken = model.name;
   }
   ASSERT_NE(taken, "");
-  EXPECT_THROW(world->with({{objectAt(taken, 10.0)}, {}}, cache_), InputError);
-  EXPECT_THROW(MoveitScene::ofWorld(moving_, {objectAt(taken, 10.0)}, cache_), InputError);
+  EXPECT_THROW(world->with({{objectAt(taken, 10.0)}, {}}, {}, cache_), InputError);
+  EXPECT_THROW(MoveitScene::ofWorld(moving_, {objectAt(taken, 10.0)}, {}, cache_), InputError);
 }
 
 TEST_F(AScene, CallsItsModelsAsMoveItDoes) {
   moving_.push_back({{"box", 2, true, {}}, {ball()}, 0.0});  // attached, called as an object
-  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 50.0)}, cache_);
+  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 50.0)}, {}, cache_);
   std::vector<std::string> links, attached, objects;
   for (std::uint32_t m = 0; m < world->scene().models().size(); ++m) {
     const CollisionModel& model = world->scene().models()[m];
@@ -307,7 +175,7 @@ TEST_F(AScene, CallsItsModelsAsMoveItDoes) {
 TEST_F(AScene, TakesAttachedBodiesAsABuildDoes) {
   const std::vector<RigidObject> objects = {objectAt("box", 30.0), objectAt("cup", 80.0)};
   const auto self = MoveitScene::ofSelf(moving_, cache_);
-  const auto world = MoveitScene::ofWorld(moving_, objects, cache_);
+  const auto world = MoveitScene::ofWorld(moving_, objects, {}, cache_);
   moving_.push_back({{"cup", 2, true, {}}, {ball()}, 0.3});
   moving_.push_back({{"lid", 0, true, {"link[1]"}}, {ball(), ball()}, 0.0});
   moving_.back().elements[1].X_LE.translation().x() = 1.75;
@@ -317,7 +185,7 @@ TEST_F(AScene, TakesAttachedBodiesAsABuildDoes) {
   EXPECT_EQ(&with_self->scene().robot(), &self->scene().robot()) << "a build";
   EXPECT_EQ(&with_world->scene().robot(), &world->scene().robot()) << "a build";
   const auto built_self = MoveitScene::ofSelf(moving_, cache_);
-  const auto built_world = MoveitScene::ofWorld(moving_, objects, cache_);
+  const auto built_world = MoveitScene::ofWorld(moving_, objects, {}, cache_);
   for (const double moved : {0.0, 8.1, 18.8, 27.1, 28.9, 29.1}) {
     EXPECT_EQ(contactsOf(*with_self, moved), contactsOf(*built_self, moved)) << moved;
     EXPECT_EQ(contactsOf(*with_world, moved), contactsOf(*built_world, moved)) << moved;
@@ -331,18 +199,18 @@ TEST_F(AScene, TakesAttachedBodiesAsABuildDoes) {
 }
 
 TEST_F(AScene, OfAttachedBodiesHasAChangingWorld) {
-  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 30.0)}, cache_);
+  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 30.0)}, {}, cache_);
   moving_.push_back({{"cup", 0, true, {}}, {ball()}, 0.0});
   const auto held = world->withAttached(moving_, cache_);
-  const auto changed = held->with({{objectAt("cup", 50.0)}, {"box"}}, cache_);
+  const auto changed = held->with({{objectAt("cup", 50.0)}, {"box"}}, {}, cache_);
   EXPECT_TRUE(changed->hasObject("cup"));
   EXPECT_FALSE(changed->hasObject("box"));
   EXPECT_THAT(contactsOf(*changed, 50.0), ElementsAre("cup cup", "cup link[0]"));
-  EXPECT_FALSE(changed->with({{}, {"cup"}}, cache_)->hasPairs());
+  EXPECT_FALSE(changed->with({{}, {"cup"}}, {}, cache_)->hasPairs());
   const std::string its_name = "attached body: cup/body";
   EXPECT_FALSE(changed->hasObject(its_name));
-  EXPECT_THROW(changed->with({{objectAt(its_name, 50.0)}, {}}, cache_), InputError);
-  const auto such_a_world = world->with({{objectAt(its_name, 50.0)}, {}}, cache_);
+  EXPECT_THROW(changed->with({{objectAt(its_name, 50.0)}, {}}, {}, cache_), InputError);
+  const auto such_a_world = world->with({{objectAt(its_name, 50.0)}, {}}, {}, cache_);
   EXPECT_THROW(such_a_world->withAttached(moving_, cache_), InputError);
 }
 
@@ -358,6 +226,110 @@ TEST_F(AScene, IsBuiltForManyAttachedBodiesOrNoLinks) {
   moving_.erase(moving_.begin(), moving_.end() - 2);
   EXPECT_FALSE(self->withAttached(moving_, cache_));
   EXPECT_FALSE(self->withAttached({}, cache_));
+}
+
+/// An octree of leaves of 1 m (level 0) and its pose, in object "map".
+MoveitOctree mapAt(double x, std::vector<octomap::point3d> centres) {
+  const auto tree = std::make_shared<octomap::OcTree>(1.0);
+  for (const octomap::point3d& centre : centres) tree->setNodeValue(centre, 1.0f);
+  return {"map", tree, Isometry3d(Translation3d(x, 0.0, 0.0))};
+}
+
+TEST_F(AScene, OfAWorldHasItsOctreesAsTheyAre) {
+  MoveitOctree map = mapAt(50.0, {{0.5f, 0.5f, 0.5f}});
+  map.X_WO.rotate(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));  // leaf from 49 to 50
+  const auto tree = std::const_pointer_cast<octomap::OcTree>(map.tree);
+  const auto world = MoveitScene::ofWorld(moving_, {}, {map}, cache_);
+  EXPECT_FALSE(world->hasPairs()) << "beside the octree";
+  ASSERT_EQ(world->octrees().size(), 1u);
+  const MoveitScene& of_map = *world->octrees()[0];
+  EXPECT_TRUE(of_map.hasPairs());
+  EXPECT_EQ(&of_map.moving(0), &world->moving(0));
+  const auto contacts = [&](double moved) { return contactsOf(of_map, moved); };
+  EXPECT_THAT(contacts(48.4), IsEmpty());
+  EXPECT_THAT(contacts(48.6), ElementsAre("link[0] map"));
+  EXPECT_THAT(contacts(50.4), ElementsAre("link[0] map"));
+  EXPECT_THAT(contacts(50.6), IsEmpty());
+  tree->setNodeValue(octomap::point3d(-0.5f, 0.5f, 0.5f), 1.0f);
+  EXPECT_THAT(contacts(51.4), ElementsAre("link[0] map"));
+  tree->clear();
+  EXPECT_FALSE(of_map.hasPairs());
+  tree->setNodeValue(octomap::point3d(-0.5f, 0.5f, 0.5f), -1.0f);
+  EXPECT_THAT(contacts(51.4), IsEmpty());
+}
+
+TEST_F(AScene, OfBoxesHasAContactForEachLeaf) {
+  const auto world = MoveitScene::ofWorld(
+      moving_, {}, {mapAt(50.0, {{0.5f, 0.5f, 0.5f}, {1.5f, 0.5f, 0.5f}, {7.5f, 0.5f, 0.5f}})},
+      cache_);
+  const MoveitScene& of_map = *world->octrees().at(0);
+  const MoveitScene::Lease worker_of_map = of_map.lease();
+  setPoses(of_map, 51.0, worker_of_map->poses);
+  const auto boxes = of_map.ofBoxes(of_map.leavesWithin(0.0, nullptr, *worker_of_map));
+  EXPECT_TRUE(of_map.readsLeaves());
+  EXPECT_FALSE(boxes->readsLeaves());
+  EXPECT_EQ(&boxes->scene().robot(), &of_map.scene().robot()) << "a build";
+  EXPECT_THAT(contactsOf(*boxes, 51.0), ElementsAre("link[0] map"));
+  EXPECT_THAT(contactsOf(*boxes, 57.0), IsEmpty()) << "those leaves and no others";
+  const MoveitScene::Lease worker = boxes->lease();
+  setPoses(*boxes, 51.0, worker->poses);
+  CheckSettings settings;
+  settings.alarm_distance = 0.0;
+  const CollisionReport& report = worker->detector.detect(worker->poses, settings);
+  ASSERT_EQ(report.contacts.size(), 2u);
+  Contact contact = report.contacts[0];
+  boxes->toWorld(contact);
+  EXPECT_NEAR(contact.p_WFirst.x(), 51.0, 0.5 + 1e-9);
+}
+
+TEST_F(AScene, OfAnOctreeIsSharedUntilItChanges) {
+  const MoveitOctree map = mapAt(50.0, {{0.5f, 0.5f, 0.5f}});
+  const auto tree = std::const_pointer_cast<octomap::OcTree>(map.tree);
+  const auto world = MoveitScene::ofWorld(moving_, {}, {map}, cache_);
+  const SceneChanges box = {{objectAt("box", 30.0)}, {}};
+  const auto sceneWith = [&](const MoveitOctree& octree) {
+    return world->with(box, {octree}, cache_)->octrees().at(0);
+  };
+  EXPECT_EQ(sceneWith(map), world->octrees()[0]);
+  MoveitOctree moved = map, other = map;
+  moved.X_WO.translation().x() = 60.0;
+  other.object = "other map";
+  for (const MoveitOctree& changed : {moved, other, mapAt(50.0, {})}) {
+    EXPECT_NE(sceneWith(changed), world->octrees()[0]);
+    EXPECT_EQ(&sceneWith(changed)->scene(), &world->octrees()[0]->scene()) << "a build";
+  }
+  EXPECT_THAT(contactsOf(*sceneWith(moved), 60.4), ElementsAre("link[0] map"));
+  EXPECT_THAT(contactsOf(*sceneWith(other), 50.4), ElementsAre("link[0] other map"));
+  EXPECT_THAT(world->with({}, {}, cache_)->octrees(), IsEmpty());
+  EXPECT_TRUE(world->areResolutionsKept());
+  tree->setResolution(2.0);
+  EXPECT_FALSE(world->areResolutionsKept());
+  const auto coarser = world->with({}, {map, moved}, cache_);
+  EXPECT_TRUE(coarser->areResolutionsKept());
+  EXPECT_EQ(&coarser->octrees()[0]->scene(), &coarser->octrees()[1]->scene());
+  EXPECT_THAT(contactsOf(*coarser->octrees()[0], 52.4), ElementsAre("link[0] map"));
+  moved.X_WO.linear() *= 1.1;
+  EXPECT_THROW(world->with({}, {moved}, cache_), InputError);
+}
+
+TEST_F(AScene, OfAnOctreeHasWhatIsAttachedAndSelected) {
+  moving_[0].padding = 0.25;
+  const auto world = MoveitScene::ofWorld(moving_, {}, {mapAt(50.0, {{0.5f, 0.5f, 0.5f}})}, cache_);
+  const MoveitScene& of_links = *world->octrees().at(0);
+  const MoveitScene::Lease worker = of_links.lease();
+  setPoses(of_links, 50.0, worker->poses);
+  EXPECT_EQ(of_links.leavesWithin(0.0, nullptr, *worker).size(), 1u);
+  const auto selection = of_links.selectionOf({0, 1, 0});
+  EXPECT_THAT(of_links.leavesWithin(0.0, selection, *worker), IsEmpty());
+  EXPECT_EQ(of_links.leavesWithin(40.0, selection, *worker).size(), 1u);
+
+  moving_.push_back({{"cup", 0, true, {}}, {ball()}, 0.0});
+  const auto held = world->withAttached(moving_, cache_);
+  ASSERT_TRUE(held);
+  const MoveitScene& of_map = *held->octrees().at(0);
+  EXPECT_THAT(contactsOf(of_map, 50.0), ElementsAre("cup map", "link[0] map"));
+  EXPECT_THAT(contactsOf(of_map, 51.6), ElementsAre("link[0] map")) << "padded";
+  EXPECT_THAT(contactsOf(of_map, 51.8), IsEmpty());
 }
 
 TEST_F(AScene, SelectsWhatIsActive) {

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <limits>
 
 #include <ros/console.h>
 
 namespace collision_pairs {
 namespace {
 
-namespace AllowedCollision = collision_detection::AllowedCollision;
 using collision_detection::CollisionRequest;
 using collision_detection::CollisionResult;
 using collision_detection::DistanceRequest;
@@ -24,11 +25,6 @@ constexpr double FARTHEST = 1e6;  // metres: nothing is measured beyond
 collision_detection::BodyType typeOf(const MoveitBody* moving) {
   if (!moving) return BodyTypes::WORLD_OBJECT;
   return moving->is_attached ? BodyTypes::ROBOT_ATTACHED : BodyTypes::ROBOT_LINK;
-}
-
-bool isActive(const MoveitLimits& limits, const MoveitBody* body) {
-  if (limits.active_links.empty()) return true;
-  return body && limits.active_links[static_cast<std::size_t>(body->link)];
 }
 
 /// Which pairs a check leaves out.
@@ -88,6 +84,7 @@ bool setPoses(const MoveitScene& scene, const moveit::core::RobotState& state, B
     if (body.is_attached)
       poses.X_WB[i] = poses.X_WB[i] * state.getAttachedBody(body.name)->getPose();
   }
+  if (scene.octree()) scene.toOctree(poses);
   if (!state.dirtyLinkTransforms()) return true;
   warnRarely("the state's link transforms are not up to date: call RobotState::update()");
   return false;
@@ -129,7 +126,13 @@ void warnOfUnknown(const MoveitScene& scene, const CollisionReport& report) {
   warnRarely(text + " " + report.unchecked);
 }
 
-MoveitContact toMoveit(const MoveitScene& scene, const PairReport& pair, const Contact& contact) {
+Contact inWorld(const MoveitScene& scene, Contact contact) {
+  if (scene.octree()) scene.toWorld(contact);
+  return contact;
+}
+
+MoveitContact toMoveit(const MoveitScene& scene, const PairReport& pair, const Contact& found) {
+  const Contact contact = inWorld(scene, found);
   const CollisionModel& first = scene.scene().models()[pair.first];
   const CollisionModel& second = scene.scene().models()[pair.second];
   MoveitContact made;
@@ -163,37 +166,40 @@ std::vector<const Contact*> deepestFirst(const CollisionReport& report, const Pa
 
 class Results {
  public:
-  Results(const MoveitScene& scene, const CollisionRequest& request, CollisionResult& result)
-      : scene_(scene), request_(request), result_(result) {}
+  Results(const CollisionRequest& request, CollisionResult& result)
+      : request_(request), result_(result) {}
 
   bool wantsContacts() const {
     return request_.contacts && result_.contact_count < request_.max_contacts;
   }
+  bool wantsSeveralOfPair() const { return wantsContacts() && request_.max_contacts_per_pair > 1; }
   bool isDone() { return is_done_ || (result_.collision && !wantsContacts()); }
+  void takeUnknown() { result_.collision = true; }
 
-  void take(const CollisionReport& report, const Rules* conditions) {
-    if (report.verdict == Verdict::UNKNOWN) warnOfUnknown(scene_, report);
+  void take(const MoveitScene& scene, const CollisionReport& report, const Rules* conditions) {
+    if (report.verdict == Verdict::UNKNOWN) warnOfUnknown(scene, report);
     if (!conditions && report.verdict != Verdict::FREE) result_.collision = true;
     if (conditions && !report.left_out.empty()) result_.collision = true;
     for (const PairReport& pair : report.pairs) {
       if (isDone()) return;
-      if (pair.mayTouch()) takePair(report, pair, conditions);
+      if (pair.mayTouch()) takePair(scene, report, pair, conditions);
       if (!is_done_ && request_.is_done) is_done_ = request_.is_done(result_);
     }
   }
 
  private:
-  void takePair(const CollisionReport& report, const PairReport& pair, const Rules* conditions) {
+  void takePair(const MoveitScene& scene, const CollisionReport& report, const PairReport& pair,
+                const Rules* conditions) {
     if (pair.state == PairState::UNRESOLVED) result_.collision = true;
     collision_detection::DecideContactFn condition;
     if (conditions) condition = conditions->conditionOf(pair);
-    const auto names = sortedNames(scene_, pair);
+    const auto names = sortedNames(scene, pair);
     if (request_.verbose) {
       ROS_INFO_STREAM_NAMED("collision_detection.collision_pairs",
                             "'" << names.first << "' and '" << names.second << "' are in contact");
     }
     for (const Contact* contact : deepestFirst(report, pair)) {
-      MoveitContact made = toMoveit(scene_, pair, *contact);
+      MoveitContact made = toMoveit(scene, pair, *contact);
       if (condition && condition(made)) continue;
       result_.collision = true;
       if (!wantsContacts()) return;
@@ -204,14 +210,45 @@ class Results {
     }
   }
 
-  const MoveitScene& scene_;
   const CollisionRequest& request_;
   CollisionResult& result_;
   bool is_done_ = false;
 };
 
+void addCollisionsOf(const MoveitScene& scene, const moveit::core::RobotState& state,
+                     const MoveitLimits& limits, Results& results) {
+  if (results.isDone() || !scene.hasPairs()) return;
+  const MoveitScene::Lease worker = scene.lease();
+  if (!setPoses(scene, state, worker->poses)) return results.takeUnknown();
+  Rules rules(scene, limits);
+  CheckSettings settings = settingsFor(scene, limits);
+  settings.verdict_only = !results.wantsContacts();
+  std::vector<OctreeLeaf> leaves;
+  if (scene.readsLeaves()) {
+    leaves = scene.leavesWithin(0.0, settings.selection, *worker);
+    worker->poses.voxels = voxelsOf(scene.resolution(), leaves);
+  }
+  const CollisionReport& report = detect(*worker, settings, rules);
+  const auto& conditional = rules.conditional();
+  const bool wants_each =  // of the leaves a check has only the deepest
+      !conditional.empty() || (results.wantsSeveralOfPair() && !report.contacts.empty());
+  if (wants_each && !leaves.empty()) {
+    return addCollisionsOf(*scene.ofBoxes(leaves), state, limits, results);
+  }
+  results.take(scene, report, nullptr);
+  if (conditional.empty() || results.isDone()) return;
+
+  settings.verdict_only = false;
+  settings.ignore_revision = 0;
+  settings.may_ignore = [&](std::uint32_t a, std::uint32_t b) {
+    return !std::binary_search(conditional.begin(), conditional.end(), std::make_pair(a, b));
+  };
+  results.take(scene, worker->detector.detect(worker->poses, settings), &rules);
+}
+
 DistanceResultsData toMoveit(const MoveitScene& scene, const CollisionModel& first,
-                             const CollisionModel& second, const Contact& contact) {
+                             const CollisionModel& second, const Contact& found) {
+  const Contact contact = inWorld(scene, found);
   DistanceResultsData data;
   data.distance = -contact.depth;
   data.nearest_points[0] = contact.p_WFirst;
@@ -241,74 +278,32 @@ void takePairs(const MoveitScene& scene, const CollisionReport& report,
                                : request.type == DistanceRequestType::LIMITED
                                    ? request.max_contacts_per_body
                                    : of_pair.max_size();
-      if (of_pair.size() >= most) break;
-      of_pair.push_back(data);
+      // An object with octrees has several models.
+      const auto is_nearer = [](const auto& a, const auto& b) { return a.distance < b.distance; };
+      of_pair.insert(std::upper_bound(of_pair.begin(), of_pair.end(), data, is_nearer), data);
+      if (of_pair.size() > most) of_pair.pop_back();
     }
   }
 }
 
-}  // namespace
-
-void warnRarely(const std::string& text) {
-  static std::atomic<std::int64_t> last{-1};
-  const auto now = std::chrono::duration_cast<std::chrono::seconds>(
-                       std::chrono::steady_clock::now().time_since_epoch())
-                       .count();
-  if (last.exchange(now) != now) ROS_WARN_STREAM_NAMED("collision_detection.collision_pairs", text);
-}
-
-std::vector<char> activeLinks(const moveit::core::RobotModel& robot,
-                              const std::set<const moveit::core::LinkModel*>* links) {
-  std::vector<char> active;
-  if (!links) return active;
-  active.assign(robot.getLinkModelCount(), 0);
-  for (const moveit::core::LinkModel* link : *links) {
-    active[static_cast<std::size_t>(link->getLinkIndex())] = 1;
+/// Of an octree with ever more leaves, until the nearest is among them.
+const CollisionReport& detectDistances(const MoveitScene& scene, const CheckSettings& settings,
+                                       const DistanceResult& result, MoveitScene::Worker& worker) {
+  if (!scene.readsLeaves()) return worker.detector.detect(worker.poses, settings);
+  double reach = settings.min_distance ? 8.0 * scene.resolution() : settings.alarm_distance;
+  for (;;) {
+    worker.poses.voxels =
+        voxelsOf(scene.resolution(), scene.leavesWithin(reach, settings.selection, worker));
+    const CollisionReport& report = worker.detector.detect(worker.poses, settings);
+    const double known = std::min(report.min_distance, result.minimum_distance.distance);
+    if (!settings.min_distance || known <= reach || std::isinf(reach)) return report;
+    reach = reach < FARTHEST ? 4.0 * reach : std::numeric_limits<double>::infinity();
   }
-  return active;
 }
 
-AllowedContact allowedBy(const MoveitLimits& limits, const MoveitBody* a, const std::string& name_a,
-                         const MoveitBody* b, const std::string& name_b) {
-  if (!isActive(limits, a) && !isActive(limits, b)) return AllowedContact::ALWAYS;
-  return allowedContact(a, b, [&] {
-    AllowedCollision::Type type;
-    const bool has_entry =
-        limits.matrix && limits.matrix->getAllowedCollision(name_a, name_b, type);
-    if (!has_entry || type == AllowedCollision::NEVER) return AllowedContact::NEVER;
-    return type == AllowedCollision::ALWAYS ? AllowedContact::ALWAYS : AllowedContact::CONDITIONAL;
-  });
-}
-
-void addCollisions(const MoveitScene& scene, const moveit::core::RobotState& state,
-                   const MoveitLimits& limits, const CollisionRequest& request,
-                   CollisionResult& result) {
-  if (request.cost) warnRarely("costs of collisions are not computed");
-  if (!scene.hasPairs()) return;
-  const MoveitScene::Lease worker = scene.lease();
-  if (!setPoses(scene, state, worker->poses)) {
-    result.collision = true;
-    return;
-  }
-  Results results(scene, request, result);
-  Rules rules(scene, limits);
-  CheckSettings settings = settingsFor(scene, limits);
-  settings.verdict_only = !results.wantsContacts();
-  results.take(detect(*worker, settings, rules), nullptr);
-  const auto& conditional = rules.conditional();
-  if (conditional.empty() || results.isDone()) return;
-
-  settings.verdict_only = false;
-  settings.ignore_revision = 0;
-  settings.may_ignore = [&](std::uint32_t a, std::uint32_t b) {
-    return !std::binary_search(conditional.begin(), conditional.end(), std::make_pair(a, b));
-  };
-  results.take(worker->detector.detect(worker->poses, settings), &rules);
-}
-
-void addDistances(const MoveitScene& scene, const moveit::core::RobotState& state,
-                  const MoveitLimits& limits, const DistanceRequest& request,
-                  DistanceResult& result) {
+void addDistancesOf(const MoveitScene& scene, const moveit::core::RobotState& state,
+                    const MoveitLimits& limits, const DistanceRequest& request,
+                    DistanceResult& result) {
   if (!scene.hasPairs()) return;
   const MoveitScene::Lease worker = scene.lease();
   const Rules rules(scene, limits);
@@ -325,7 +320,7 @@ void addDistances(const MoveitScene& scene, const moveit::core::RobotState& stat
   }
   bool is_unknown = !setPoses(scene, state, worker->poses);
   if (!is_unknown) {
-    const CollisionReport& report = worker->detector.detect(worker->poses, settings);
+    const CollisionReport& report = detectDistances(scene, settings, result, *worker);
     is_unknown = report.verdict == Verdict::UNKNOWN;
     if (is_unknown) warnOfUnknown(scene, report);
     if (!is_global) {
@@ -345,6 +340,34 @@ void addDistances(const MoveitScene& scene, const moveit::core::RobotState& stat
   if (!is_unknown) return;
   result.collision = true;
   result.minimum_distance.distance = std::min(result.minimum_distance.distance, 0.0);
+}
+
+}  // namespace
+
+void warnRarely(const std::string& text) {
+  static std::atomic<std::int64_t> last{-1};
+  const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+                       std::chrono::steady_clock::now().time_since_epoch())
+                       .count();
+  if (last.exchange(now) != now) ROS_WARN_STREAM_NAMED("collision_detection.collision_pairs", text);
+}
+
+void addCollisions(const MoveitScene& scene, const moveit::core::RobotState& state,
+                   const MoveitLimits& limits, const CollisionRequest& request,
+                   CollisionResult& result) {
+  if (request.cost) warnRarely("costs of collisions are not computed");
+  Results results(request, result);
+  addCollisionsOf(scene, state, limits, results);
+  for (const auto& octree : scene.octrees()) addCollisionsOf(*octree, state, limits, results);
+}
+
+void addDistances(const MoveitScene& scene, const moveit::core::RobotState& state,
+                  const MoveitLimits& limits, const DistanceRequest& request,
+                  DistanceResult& result) {
+  addDistancesOf(scene, state, limits, request, result);
+  for (const auto& octree : scene.octrees()) {
+    addDistancesOf(*octree, state, limits, request, result);
+  }
 }
 
 }  // namespace collision_pairs

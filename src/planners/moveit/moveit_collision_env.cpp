@@ -117,19 +117,21 @@ void MoveitCollisionEnv::noteChange(const std::string& name) const {
   const auto object = getWorld()->getObject(name);
   if (!object) return;
   for (const auto& shape : object->shapes_) {
-    if (shape->type == shapes::OCTREE) octrees_[name] = {};  // read at the next check
+    if (shape->type == shapes::OCTREE) octrees_.insert(name);
   }
 }
 
-// Notes only: the scenes read the leaves again.
-void MoveitCollisionEnv::noteOctreesThatChanged() const {
-  for (auto& [name, seen] : octrees_) {
+std::vector<MoveitOctree> MoveitCollisionEnv::octreesOfWorld() const {
+  std::vector<MoveitOctree> octrees;
+  for (const std::string& name : octrees_) {
     const auto object = getWorld()->getObject(name);
-    const auto& parts = object ? object->shapes_ : std::vector<shapes::ShapeConstPtr>();
-    if (seen.areOf(parts)) continue;
-    seen = LeavesOfOctrees(parts);
-    for (auto& scenes : scenes_) scenes->changed.insert(name);
+    for (std::size_t i = 0; object && i < object->shapes_.size(); ++i) {
+      if (object->shapes_[i]->type != shapes::OCTREE) continue;
+      const auto& tree = static_cast<const shapes::OcTree&>(*object->shapes_[i]).octree;
+      if (tree) octrees.push_back({name, tree, object->global_shape_poses_[i]});
+    }
   }
+  return octrees;
 }
 
 MovingBody MoveitCollisionEnv::movingLink(const moveit::core::LinkModel& link) const {
@@ -149,7 +151,11 @@ MovingBody MoveitCollisionEnv::movingBody(const Attached& attached) const {
 RigidObject MoveitCollisionEnv::rigidObject(const World::Object& object) const {
   RigidObject made;
   made.name = object.id_;
-  made.elements = scaledElements(object.shapes_, object.global_shape_poses_, 1.0);
+  for (std::size_t i = 0; i < object.shapes_.size(); ++i) {
+    const auto& shape = object.shapes_[i];
+    if (shape->type == shapes::OCTREE) continue;
+    shared().shapes.append(shape, 1.0, object.global_shape_poses_[i], made.elements);
+  }
   return made;
 }
 
@@ -159,7 +165,7 @@ void MoveitCollisionEnv::makeScenes(Scenes& scenes) const {
   scenes.world.reset();
   scenes.self_problem.clear();
   scenes.moving.clear();
-  for (Attached& attached : scenes.attached) attached.leaves = LeavesOfOctrees(attached.shapes);
+  for (Attached& attached : scenes.attached) attached.leaves = leavesOf(attached.shapes);
   try {
     for (const auto* link : getRobotModel()->getLinkModelsWithCollisionGeometry()) {
       scenes.moving.push_back(movingLink(*link));
@@ -184,10 +190,10 @@ void MoveitCollisionEnv::updateWorld(Scenes& scenes) const {
     scenes.world_problem = scenes.self_problem;
     return;
   }
-  if (scenes.world && scenes.changed.empty()) return;
+  if (scenes.world && scenes.changed.empty() && scenes.world->areResolutionsKept()) return;
   const auto elementsOf = [&](const World::Object& object, std::vector<RigidObject>& objects) {
     RigidObject made = rigidObject(object);
-    const bool has_any = !made.elements.empty();  // an octree may be empty
+    const bool has_any = !made.elements.empty();  // it may be an octree
     if (has_any) objects.push_back(std::move(made));
     return has_any;
   };
@@ -202,7 +208,8 @@ void MoveitCollisionEnv::updateWorld(Scenes& scenes) const {
     if (!scenes.world) {
       std::vector<RigidObject> objects;
       for (const auto& [name, object] : *getWorld()) elementsOf(*object, objects);
-      scenes.world = MoveitScene::ofWorld(scenes.moving, std::move(objects), shared().scenes);
+      scenes.world = MoveitScene::ofWorld(scenes.moving, std::move(objects), octreesOfWorld(),
+                                          shared().scenes);
     } else {
       SceneChanges changes;
       for (const std::string& name : scenes.changed) {
@@ -210,7 +217,7 @@ void MoveitCollisionEnv::updateWorld(Scenes& scenes) const {
         const bool is_there = object && elementsOf(*object, changes.objects);
         if (!is_there && scenes.world->hasObject(name)) changes.removed.push_back(name);
       }
-      scenes.world = scenes.world->with(changes, shared().scenes);
+      scenes.world = scenes.world->with(changes, octreesOfWorld(), shared().scenes);
     }
     scenes.changed.clear();
     scenes.world_problem.clear();
@@ -233,7 +240,7 @@ MoveitCollisionEnv::Scenes& MoveitCollisionEnv::scenesOf(const State& state) con
     if (!is_it) continue;
     scenes->last_used = nb_uses_;
     const bool is_as_was = std::all_of(known.begin(), known.end(), [](const Attached& attached) {
-      return attached.leaves.areOf(attached.shapes);
+      return attached.leaves == leavesOf(attached.shapes);
     });
     if (!is_as_was) makeScenes(*scenes);
     return *scenes;
@@ -263,10 +270,7 @@ std::shared_ptr<const MoveitScene> MoveitCollisionEnv::sceneFor(const State& sta
                                                                 Among among) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   Scenes& scenes = scenesOf(state);
-  if (among == Among::WORLD) {
-    noteOctreesThatChanged();
-    updateWorld(scenes);
-  }
+  if (among == Among::WORLD) updateWorld(scenes);
   const std::string& problem = among == Among::SELF ? scenes.self_problem : scenes.world_problem;
   if (!problem.empty()) {
     warnOfProblem(problem);
@@ -278,7 +282,6 @@ std::shared_ptr<const MoveitScene> MoveitCollisionEnv::sceneFor(const State& sta
 std::shared_ptr<const MoveitMotions> MoveitCollisionEnv::motionsFor(const State& state) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   Scenes& scenes = scenesOf(state);
-  noteOctreesThatChanged();
   updateWorld(scenes);
   std::string problem = scenes.world_problem;
   std::vector<Eigen::Isometry3d> X_LO;

@@ -1,11 +1,11 @@
 // MoveIt's collision environment, answered by this package.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <moveit/collision_detection/collision_env.h>
@@ -28,9 +28,9 @@ class MoveitMotions;
 /// Changes of the world are taken over at the next check: O(change), about 0.1 µs for each object
 /// that stays. Each set of attached bodies has scenes of its own, the last 15 are kept; the first
 /// check with a new set costs a build. States that have copies of the same shapes share them.
-/// Octomaps may change in place, of which MoveIt tells nobody: their leaves are read and compared
-/// at every check of the world, O(nodes); those of attached bodies at every check, and a change
-/// costs a build.
+/// Octomaps may change in place, of which MoveIt tells nobody. Each check of the world reads the
+/// leaves near the robot, a distance those up to the nearest. Motions, and checks with attached
+/// octrees, read and compare all, O(nodes), and a change costs a build.
 ///
 /// As MoveIt asks for: constant functions may run in several threads, the others in none beside.
 class MoveitCollisionEnv : public collision_detection::CollisionEnv {
@@ -101,7 +101,7 @@ class MoveitCollisionEnv : public collision_detection::CollisionEnv {
     std::vector<shapes::ShapeConstPtr> shapes;
     std::vector<Eigen::Isometry3d> X_OE;  ///< poses of the shapes in the frame of the body
     std::set<std::string> touch_links;
-    LeavesOfOctrees leaves;  ///< as the scenes have them
+    std::vector<std::pair<double, std::vector<OctreeLeaf>>> leaves;  ///< as the scenes have them
     bool is(const moveit::core::AttachedBody& body) const;
   };
   /// The scenes for one set of attached bodies. A text that is not empty: why there is no scene.
@@ -129,19 +129,20 @@ class MoveitCollisionEnv : public collision_detection::CollisionEnv {
 
   void observe();
   void noteChange(const std::string& name) const;
-  void noteOctreesThatChanged() const;
   Scenes& scenesOf(const State& state) const;
   void makeScenes(Scenes& scenes) const;
   void updateWorld(Scenes& scenes) const;
   MovingBody movingLink(const moveit::core::LinkModel& link) const;
   MovingBody movingBody(const Attached& attached) const;
+  /// Without octrees.
   RigidObject rigidObject(const World::Object& object) const;
+  std::vector<MoveitOctree> octreesOfWorld() const;
 
   World::ObserverHandle observer_;
   mutable std::mutex mutex_;  // of all below
   mutable std::vector<std::unique_ptr<Scenes>> scenes_;
   mutable std::uint64_t nb_uses_ = 0;
-  mutable std::map<std::string, LeavesOfOctrees> octrees_;  // by object that has any
+  mutable std::set<std::string> octrees_;  // objects that have any
 };
 
 }  // namespace collision_pairs

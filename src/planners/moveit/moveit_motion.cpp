@@ -93,8 +93,9 @@ MoveitMotions::MoveitMotions(const moveit::core::RobotModel& robot,
     description_.objects.push_back(std::move(object));
   }
   for (const auto& object : world_->scene().objects()) {
-    if (MoveitScene::isOfWorld(*object)) objects_.push_back(object);
+    if (MoveitScene::isOfWorld(*object)) objects_.push_back(*object);
   }
+  for (const auto& octree : world_->octrees()) addLeaves(*octree->octree());
   description_.robots.push_back({modelOf(robot, moving), Srdf{}, ""});
   for (const Link& link : description_.robots[0].model->links()) {
     const int index = std::stoi(link.name.substr(sizeof LINK - 1));
@@ -102,9 +103,25 @@ MoveitMotions::MoveitMotions(const moveit::core::RobotModel& robot,
   }
 }
 
+void MoveitMotions::addLeaves(const MoveitOctree& octree) {
+  leaves_.push_back(occupiedLeaves(*octree.tree));
+  if (leaves_.back().empty()) return;
+  auto object = std::find_if(objects_.begin(), objects_.end(),
+                             [&](const RigidObject& known) { return known.name == octree.object; });
+  if (object == objects_.end()) {
+    objects_.emplace_back();
+    objects_.back().name = octree.object;
+    object = objects_.end() - 1;
+  }
+  appendBoxes(octree.tree->getResolution(), leaves_.back(), octree.X_WO, object->elements);
+}
+
 bool MoveitMotions::areFor(const MoveitScene* world, const std::vector<Isometry3d>& X_LO) const {
-  return world_.get() == world &&
-         std::equal(X_LO.begin(), X_LO.end(), X_LO_.begin(), X_LO_.end(),
+  if (world_.get() != world) return false;
+  for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    if (leaves_[i] != occupiedLeaves(*world->octrees()[i]->octree()->tree)) return false;
+  }
+  return std::equal(X_LO.begin(), X_LO.end(), X_LO_.begin(), X_LO_.end(),
                     [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
 }
 
@@ -114,7 +131,7 @@ std::shared_ptr<const CollisionScene> MoveitMotions::sceneFor(const MoveitLimits
     left_out.emplace_back();
     for (const auto& [name, body] : bodies_) {
       const bool is_out =
-          allowedBy(limits, &body, body.name, nullptr, object->name) == AllowedContact::ALWAYS;
+          allowedBy(limits, &body, body.name, nullptr, object.name) == AllowedContact::ALWAYS;
       if (is_out) left_out.back().push_back(name);
     }
   }
@@ -122,7 +139,7 @@ std::shared_ptr<const CollisionScene> MoveitMotions::sceneFor(const MoveitLimits
   if (scene_ && left_out == left_out_) return scene_;
   SceneDescription description = description_;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    description.objects.push_back(*objects_[i]);
+    description.objects.push_back(objects_[i]);
     description.objects.back().touch_links = left_out[i];
   }
   scene_ = CollisionScene::build(std::move(description), &cache_);
@@ -194,7 +211,7 @@ bool MoveitMotions::turnAsMoveit(JointMotion& motion) const {
 void MoveitMotions::check(const RobotState& from, const RobotState& to, const MoveitLimits& limits,
                           const collision_detection::CollisionRequest& request,
                           collision_detection::CollisionResult& result) const {
-  if (!world_->hasPairs()) return;
+  if (objects_.empty() || bodies_.empty()) return;
   JointMotion motion;
   PlacedBodies placed, placed_after;
   const auto refuse = [&](const char* why) {

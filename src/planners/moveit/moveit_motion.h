@@ -25,6 +25,7 @@ class MoveitMotions {
                 const std::vector<Eigen::Isometry3d>& X_LO,
                 std::shared_ptr<const MoveitScene> world, SceneCache& cache);
 
+  /// False also if an octree has changed in place. O(nodes of octrees).
   bool areFor(const MoveitScene* world, const std::vector<Eigen::Isometry3d>& X_LO) const;
 
   /// Adds to `result` whether the robot meets the world between the two states, which are
@@ -39,6 +40,7 @@ class MoveitMotions {
              collision_detection::CollisionResult& result) const;
 
  private:
+  void addLeaves(const MoveitOctree& octree);
   /// The scene without the pairs that may touch: the last one, or a new one.
   std::shared_ptr<const CollisionScene> sceneFor(const MoveitLimits& limits) const;
   /// The positions of all joints, and the bodies that have none. False: the links of the state are
@@ -55,7 +57,8 @@ class MoveitMotions {
   std::vector<Eigen::Isometry3d> X_LO_;
   SceneCache& cache_;
   SceneDescription description_;  // without the objects of the world
-  std::vector<std::shared_ptr<const RigidObject>> objects_;
+  std::vector<RigidObject> objects_;
+  std::vector<std::vector<OctreeLeaf>> leaves_;  // those in objects_, by octree of world_
   std::vector<std::pair<std::string, MoveitBody>> bodies_;  // with the names of their models
   std::vector<const moveit::core::LinkModel*> links_;       // by link of the robot model
 

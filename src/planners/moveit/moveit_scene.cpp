@@ -69,17 +69,16 @@ RigidObject placeholder() {
 
 }  // namespace
 
-std::shared_ptr<const MoveitScene> MoveitScene::ofSelf(const std::vector<MovingBody>& moving,
-                                                       SceneCache& cache) {
+MoveitScene::Ptr MoveitScene::ofSelf(const std::vector<MovingBody>& moving, SceneCache& cache) {
   std::shared_ptr<MoveitScene> made(
       new MoveitScene(CollisionScene::build(descriptionOf(moving), &cache), 0, false));
   made->setMoving(moving);
   return made;
 }
 
-std::shared_ptr<const MoveitScene> MoveitScene::ofWorld(const std::vector<MovingBody>& moving,
-                                                        std::vector<RigidObject> objects,
-                                                        SceneCache& cache) {
+MoveitScene::Ptr MoveitScene::ofWorld(const std::vector<MovingBody>& moving,
+                                      std::vector<RigidObject> objects,
+                                      const std::vector<MoveitOctree>& octrees, SceneCache& cache) {
   SceneDescription description = descriptionOf(moving);
   description.check_self = false;
   const std::size_t nb_objects = objects.size();
@@ -88,21 +87,24 @@ std::shared_ptr<const MoveitScene> MoveitScene::ofWorld(const std::vector<Moving
   std::shared_ptr<MoveitScene> made(
       new MoveitScene(CollisionScene::build(std::move(description), &cache), nb_objects, true));
   made->setMoving(moving);
+  made->setOctrees(octrees, {}, cache);
   return made;
 }
 
-std::shared_ptr<const MoveitScene> MoveitScene::with(const SceneChanges& changes,
-                                                     SceneCache& cache) const {
+MoveitScene::Ptr MoveitScene::with(const SceneChanges& changes,
+                                   const std::vector<MoveitOctree>& octrees,
+                                   SceneCache& cache) const {
   for (const RigidObject& object : changes.objects) refuseTakenName(object.name);
   auto scene = scene_->with(changes, &cache);
   const std::size_t nb_objects = nb_objects_ + scene->objects().size() - scene_->objects().size();
   std::shared_ptr<MoveitScene> made(new MoveitScene(std::move(scene), nb_objects, true));
   made->moving_ = moving_;  // its order is that of the names
+  made->setOctrees(octrees, octrees_, cache);
   return made;
 }
 
-std::shared_ptr<const MoveitScene> MoveitScene::withAttached(const std::vector<MovingBody>& moving,
-                                                             SceneCache& cache) const {
+MoveitScene::Ptr MoveitScene::withAttached(const std::vector<MovingBody>& moving,
+                                           SceneCache& cache) const {
   if (moving.empty() || moving[0].body.is_attached) return nullptr;
   SceneChanges changes;
   for (const MovingBody& one : moving) {
@@ -119,6 +121,9 @@ std::shared_ptr<const MoveitScene> MoveitScene::withAttached(const std::vector<M
   std::shared_ptr<MoveitScene> made(
       new MoveitScene(scene_->with(changes, &cache), nb_objects_, is_world_));
   made->setMoving(moving);
+  std::vector<MoveitOctree> octrees;
+  for (const Ptr& of_links : octrees_) octrees.push_back(*of_links->octree_);
+  made->setOctrees(octrees, {}, cache);
   return made;
 }
 
@@ -135,7 +140,98 @@ void MoveitScene::setMoving(const std::vector<MovingBody>& moving) {
   moving_ = std::move(bodies);
 }
 
+void MoveitScene::setOctrees(const std::vector<MoveitOctree>& wanted,
+                             const std::vector<Ptr>& before, SceneCache& cache) {
+  if (scene_->bodies().empty()) return;
+  std::map<double, std::shared_ptr<const CollisionScene>> scenes;  // by resolution
+  for (const Ptr& known : before) scenes[known->resolution_] = known->scene_;
+  for (const MoveitOctree& octree : wanted) {
+    const double resolution = octree.tree->getResolution();
+    const auto same = std::find_if(before.begin(), before.end(), [&](const Ptr& known) {
+      return known->resolution_ == resolution && known->octree_->object == octree.object &&
+             known->octree_->tree == octree.tree &&
+             known->octree_->X_WO.matrix() == octree.X_WO.matrix();
+    });
+    if (same != before.end()) {
+      octrees_.push_back(*same);
+      continue;
+    }
+    auto& scene = scenes[resolution];
+    if (!scene) scene = sceneOfLeaves(resolution, cache);
+    std::shared_ptr<MoveitScene> made(new MoveitScene(scene, 1, true));
+    made->moving_ = moving_;
+    made->octree_ = octree;
+    made->resolution_ = resolution;
+    made->X_WO_ = octree.X_WO;
+    auto R_WO = made->X_WO_.linear();
+    R_WO = Eigen::Quaterniond(octree.X_WO.linear()).normalized().toRotationMatrix();
+    if (!R_WO.isApprox(octree.X_WO.linear(), 1e-6)) {  // true for NaN
+      throw InputError("the octree of object '" + octree.object + "' has no rotation as its pose");
+    }
+    octrees_.push_back(std::move(made));
+  }
+}
+
+std::shared_ptr<const CollisionScene> MoveitScene::sceneOfLeaves(double resolution,
+                                                                 SceneCache& cache) const {
+  SceneDescription description = scene_->description();
+  for (const auto& object : scene_->objects()) {
+    if (!isOfWorld(*object)) description.objects.push_back(*object);
+  }
+  for (int level = 0; level < NB_OCTREE_LEVELS; ++level) {
+    const std::string name = "leaves of level " + std::string(1, static_cast<char>('a' + level));
+    description.clouds.push_back(cloudOf(name, edgeOfLeaf(resolution, level), {}));
+  }
+  return CollisionScene::build(std::move(description), &cache);
+}
+
+MoveitScene::Ptr MoveitScene::ofBoxes(const std::vector<OctreeLeaf>& leaves) const {
+  RigidObject object;
+  object.name = "leaves";
+  appendBoxes(resolution_, leaves, Eigen::Isometry3d::Identity(), object.elements);
+  std::shared_ptr<MoveitScene> made(
+      new MoveitScene(scene_->with({{std::move(object)}, {}}), nb_objects_, true));
+  made->moving_ = moving_;
+  made->octree_ = octree_;
+  made->is_of_boxes_ = true;
+  made->resolution_ = resolution_;
+  made->X_WO_ = X_WO_;
+  return made;
+}
+
+bool MoveitScene::areResolutionsKept() const {
+  return std::all_of(octrees_.begin(), octrees_.end(), [](const Ptr& octree) {
+    return octree->octree_->tree->getResolution() == octree->resolution_;
+  });
+}
+
+void MoveitScene::toOctree(BodyPoses& poses_W) const {
+  const Eigen::Isometry3d X_OW = X_WO_.inverse();
+  for (Eigen::Isometry3d& X : poses_W.X_WB) X = X_OW * X;
+  poses_W.voxels = voxelsOf(resolution_, {});
+}
+
+void MoveitScene::toWorld(Contact& contact_O) const {
+  contact_O.p_WFirst = X_WO_ * contact_O.p_WFirst;
+  contact_O.p_WSecond = X_WO_ * contact_O.p_WSecond;
+  contact_O.nhat_W = X_WO_.linear() * contact_O.nhat_W;
+}
+
+std::vector<OctreeLeaf> MoveitScene::leavesWithin(double reach,
+                                                  std::shared_ptr<const PairSelection> selection,
+                                                  Worker& worker) const {
+  worker.poses.voxels = voxelsOf(resolution_, {});  // unless they are known it is UNKNOWN
+  CheckSettings settings;
+  settings.verdict_only = true;
+  settings.selection = std::move(selection);
+  settings.list_boxes = true;
+  settings.ignore_revision = worker.revision;  // so that the next check has its answers still
+  const CollisionReport& report = worker.detector.detect(worker.poses, settings);
+  return collision_pairs::leavesWithin(*octree_->tree, report.boxes, reach);
+}
+
 bool MoveitScene::hasPairs() const {
+  if (octree_ && !octree_->tree->getRoot()) return false;
   return !scene_->models().empty() && (!is_world_ || nb_objects_ > 0);
 }
 

@@ -15,6 +15,7 @@
 
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/collision_scene.h"
+#include "moveit_octree.h"
 
 namespace collision_pairs {
 
@@ -78,26 +79,37 @@ struct MovingBody {
 
 /// A scene, and what MoveIt calls its models. Immutable but for the store of detectors, each of
 /// which serves one thread at a time. W is MoveIt's world frame.
+///
+/// Each octree of a world has a scene of its own beside the other objects: the moving bodies, and a
+/// cloud for each level of leaves, in the octree's frame O. Its leaves are not in it; each check
+/// reads those that it needs, so that no change of them goes unnoticed or takes time.
 class MoveitScene {
  public:
+  using Ptr = std::shared_ptr<const MoveitScene>;
+
   /// The moving bodies against each other.
-  static std::shared_ptr<const MoveitScene> ofSelf(const std::vector<MovingBody>& moving,
-                                                   SceneCache& cache);
-  /// The moving bodies against objects, which are static. Cost: a build.
-  static std::shared_ptr<const MoveitScene> ofWorld(const std::vector<MovingBody>& moving,
-                                                    std::vector<RigidObject> objects,
-                                                    SceneCache& cache);
-  /// Only for a scene of a world. Throws InputError; cost: as CollisionScene::with().
-  std::shared_ptr<const MoveitScene> with(const SceneChanges& changes, SceneCache& cache) const;
+  static Ptr ofSelf(const std::vector<MovingBody>& moving, SceneCache& cache);
+  /// The moving bodies against objects, which are static, and octrees. Cost: a build, and one for
+  /// each octree.
+  static Ptr ofWorld(const std::vector<MovingBody>& moving, std::vector<RigidObject> objects,
+                     const std::vector<MoveitOctree>& octrees, SceneCache& cache);
+  /// Only for a scene of a world. `octrees`: all. Throws InputError; cost: as
+  /// CollisionScene::with(), and a build for an octree unless another has its resolution.
+  Ptr with(const SceneChanges& changes, const std::vector<MoveitOctree>& octrees,
+           SceneCache& cache) const;
 
   /// This scene of links, with attached bodies: `moving` has its links, then those. Null: they are
   /// too many, or there are no links; it takes a build. Throws InputError; cost: as
   /// CollisionScene::with().
-  std::shared_ptr<const MoveitScene> withAttached(const std::vector<MovingBody>& moving,
-                                                  SceneCache& cache) const;
+  Ptr withAttached(const std::vector<MovingBody>& moving, SceneCache& cache) const;
 
   const CollisionScene& scene() const { return *scene_; }
-  /// False if nothing can collide: there are no objects, or there is no moving body.
+  /// Those of a world's octrees.
+  const std::vector<Ptr>& octrees() const { return octrees_; }
+  /// False if the resolution of an octree has changed: it takes another scene.
+  bool areResolutionsKept() const;
+  /// False if nothing can collide: there are no objects (octrees aside), or there is no moving
+  /// body.
   bool hasPairs() const;
   /// Of the world.
   bool hasObject(const std::string& name) const;
@@ -111,7 +123,7 @@ class MoveitScene {
   /// MoveIt's name of the model.
   const std::string& nameOf(const CollisionModel& model) const {
     const MoveitBody* moving = movingOf(model);
-    return moving ? moving->name : model.name;
+    return moving ? moving->name : octree_ ? octree_->object : model.name;
   }
   /// False for pairs that no check may mention: with the placeholder, and of two bodies of the
   /// robot in the scene of a world.
@@ -123,6 +135,18 @@ class MoveitScene {
   /// more if names of links look like patterns; null: all. Made once for each set of links.
   std::shared_ptr<const PairSelection> selectionOf(const std::vector<char>& is_active) const;
 
+  /// Null unless this is the scene of an octree. Poses and reports of its checks are in O.
+  const MoveitOctree* octree() const { return octree_ ? &*octree_ : nullptr; }
+  /// Whether checks have to give it the voxels of leavesWithin().
+  bool readsLeaves() const { return octree_ && !is_of_boxes_; }
+  /// The same with these leaves as boxes, each of which has contacts of its own. Cost: about 2 µs a
+  /// leaf.
+  Ptr ofBoxes(const std::vector<OctreeLeaf>& leaves) const;
+  /// From W to O, without voxels.
+  void toOctree(BodyPoses& poses_W) const;
+  void toWorld(Contact& contact_O) const;
+  double resolution() const { return resolution_; }  ///< as octomap has it, metres
+
   struct Worker {
     explicit Worker(std::shared_ptr<const CollisionScene> scene) : detector(std::move(scene)) {}
     CollisionDetector detector;
@@ -132,10 +156,18 @@ class MoveitScene {
   /// Serves one thread for as long as it lives; the scene must outlive it.
   using Lease = std::unique_ptr<Worker, std::function<void(Worker*)>>;
   Lease lease() const;
+  /// The leaves that are now no further than `reach` metres from a body that the selection (null:
+  /// all) uses, and few others. Overwrites the voxels of `worker`.
+  std::vector<OctreeLeaf> leavesWithin(double reach, std::shared_ptr<const PairSelection> selection,
+                                       Worker& worker) const;
 
  private:
   MoveitScene(std::shared_ptr<const CollisionScene> scene, std::size_t nb_objects, bool is_world)
       : scene_(std::move(scene)), nb_objects_(nb_objects), is_world_(is_world) {}
+  /// Those of `wanted`; what is alike among `before` is shared.
+  void setOctrees(const std::vector<MoveitOctree>& wanted, const std::vector<Ptr>& before,
+                  SceneCache& cache);
+  std::shared_ptr<const CollisionScene> sceneOfLeaves(double resolution, SceneCache& cache) const;
   const RigidObject* findObject(const std::string& name) const;
   void refuseTakenName(const std::string& name) const;
   void setMoving(const std::vector<MovingBody>& moving);
@@ -144,6 +176,11 @@ class MoveitScene {
   std::shared_ptr<const std::vector<MoveitBody>> moving_;
   const std::size_t nb_objects_;
   const bool is_world_;
+  std::vector<Ptr> octrees_;
+  std::optional<MoveitOctree> octree_;
+  bool is_of_boxes_ = false;
+  double resolution_ = 0.0;
+  Eigen::Isometry3d X_WO_ = Eigen::Isometry3d::Identity();  // octree_'s, its rotation repaired
 
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Worker>> idle_;

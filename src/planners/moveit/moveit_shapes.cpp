@@ -17,32 +17,10 @@ const octomap::OcTree* treeOf(const shapes::Shape& shape) {
   return static_cast<const shapes::OcTree&>(shape).octree.get();
 }
 
-/// `take(path)` of each occupied leaf below the node, until it returns false.
-template <class Take>
-bool walk(const octomap::OcTree& tree, const octomap::OcTreeNode& node, std::uint64_t path,
-          const Take& take) {
-  if (!tree.nodeHasChildren(&node)) return !tree.isNodeOccupied(node) || take(path);
-  for (unsigned child = 0; child < 8; ++child) {
-    if (tree.nodeChildExists(&node, child) &&
-        !walk(tree, *tree.getNodeChild(&node, child), path << 3 | child, take)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-template <class Take>
-bool walk(const octomap::OcTree& tree, const Take& take) {
-  return !tree.getRoot() || walk(tree, *tree.getRoot(), 1, take);
-}
-
 void appendLeaves(const shapes::Shape& shape, const Isometry3d& X_ME,
                   std::vector<Element>& elements) {
-  if (!treeOf(shape)) return;
-  for (const OctreeLeaf& leaf : occupiedLeaves(*treeOf(shape))) {
-    const Shape box = Box{Eigen::Vector3d::Constant(leaf.size)};
-    elements.push_back({box, X_ME * Eigen::Translation3d(leaf.x, leaf.y, leaf.z)});
-  }
+  const octomap::OcTree* tree = treeOf(shape);
+  if (tree) appendBoxes(tree->getResolution(), occupiedLeaves(*tree), X_ME, elements);
 }
 
 bool isSame(const shapes::Sphere& a, const shapes::Sphere& b) { return a.radius == b.radius; }
@@ -90,44 +68,16 @@ bool areAlike(const shapes::ShapeConstPtr& a, const shapes::ShapeConstPtr& b) {
   }
 }
 
-std::vector<OctreeLeaf> occupiedLeaves(const octomap::OcTree& tree) {
-  std::vector<OctreeLeaf> leaves;
-  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
-    if (!tree.isNodeOccupied(*leaf)) continue;
-    leaves.push_back({leaf.getX(), leaf.getY(), leaf.getZ(), leaf.getSize()});
-  }
-  return leaves;
-}
-
-LeavesOfOctrees::LeavesOfOctrees(const std::vector<shapes::ShapeConstPtr>& parts) {
+std::vector<std::pair<double, std::vector<OctreeLeaf>>> leavesOf(
+    const std::vector<shapes::ShapeConstPtr>& parts) {
+  std::vector<std::pair<double, std::vector<OctreeLeaf>>> all;
   for (const auto& part : parts) {
     if (part->type != shapes::OCTREE) continue;
-    const octomap::OcTree* tree = treeOf(*part);
-    trees_.push_back({tree ? tree->getResolution() : 0.0, {}});
-    const auto add = [this](std::uint64_t path) {
-      trees_.back().paths.push_back(path);
-      return true;
-    };
-    if (tree) walk(*tree, add);
+    all.emplace_back();
+    if (const auto* tree = treeOf(*part))
+      all.back() = {tree->getResolution(), occupiedLeaves(*tree)};
   }
-}
-
-bool LeavesOfOctrees::areOf(const std::vector<shapes::ShapeConstPtr>& parts) const {
-  auto seen = trees_.begin();
-  for (const auto& part : parts) {
-    if (part->type != shapes::OCTREE) continue;
-    const octomap::OcTree* tree = treeOf(*part);
-    if (seen == trees_.end()) return false;
-    if (seen->resolution != (tree ? tree->getResolution() : 0.0)) return false;
-    auto next = seen->paths.begin();
-    const auto isNext = [&](std::uint64_t path) {
-      return next != seen->paths.end() && *next++ == path;
-    };
-    if (tree && !walk(*tree, isNext)) return false;
-    if (next != seen->paths.end()) return false;
-    ++seen;
-  }
-  return seen == trees_.end();
+  return all;
 }
 
 void MoveitShapes::append(const shapes::ShapeConstPtr& shape, double scale, const Isometry3d& X_ME,

@@ -1,16 +1,17 @@
 // Shapes of MoveIt (geometric_shapes) as elements of collision models. Metres.
 #pragma once
 
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <geometric_shapes/shapes.h>
 
 #include "collision_pairs/robot_model.h"
+#include "moveit_octree.h"
 
 namespace collision_pairs {
 
@@ -18,35 +19,10 @@ namespace collision_pairs {
 /// of meshes O(vertices). A shape that is changed in place is not noticed.
 bool areAlike(const shapes::ShapeConstPtr& a, const shapes::ShapeConstPtr& b);
 
-/// An occupied leaf of an octree: a cube, in the tree's frame.
-struct OctreeLeaf {
-  double x, y, z;  ///< centre
-  double size;     ///< edge
-  bool operator==(const OctreeLeaf& other) const {
-    return x == other.x && y == other.y && z == other.z && size == other.size;
-  }
-};
-
-/// The occupied leaves, in the order of the tree, pruned ones as they are. O(nodes).
-std::vector<OctreeLeaf> occupiedLeaves(const octomap::OcTree& tree);
-
-/// The occupied leaves of each octree among some shapes, as they were read. Octrees may change in
-/// place, of which MoveIt tells nobody.
-class LeavesOfOctrees {
- public:
-  /// Reads none: equal to shapes without octrees.
-  LeavesOfOctrees() = default;
-  explicit LeavesOfOctrees(const std::vector<shapes::ShapeConstPtr>& parts);
-  /// Whether these shapes have the same now. O(nodes), some nanoseconds each; allocates nothing.
-  bool areOf(const std::vector<shapes::ShapeConstPtr>& parts) const;
-
- private:
-  struct Tree {
-    double resolution;
-    std::vector<std::uint64_t> paths;  ///< of the leaves: 1, then three bits for each child
-  };
-  std::vector<Tree> trees_;
-};
+/// The octrees among some shapes as they are now: resolution, metres, and occupied leaves; of one
+/// without a tree 0, and none.
+std::vector<std::pair<double, std::vector<OctreeLeaf>>> leavesOf(
+    const std::vector<shapes::ShapeConstPtr>& parts);
 
 /// Turns shapes into elements. Keeps the triangles of meshes for as long as MoveIt keeps the shape,
 /// so that scenes share them. One serves all threads.
