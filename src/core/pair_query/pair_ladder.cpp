@@ -182,6 +182,7 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
 }
 
 PairLadder::Last& PairLadder::lastOf(const BoxPair& pair, const Isometry3d& X_AB) {
+  last_.resize(MOST_LAST);
   Last& last = last_[(pair.first * 31 + pair.second) % MOST_LAST];
   const bool has_moved = !((X_AB.matrix() - last.X_AB.matrix()).squaredNorm() < MOVED_LITTLE);
   if (has_moved || !(last.pair == pair)) last = {};

@@ -124,7 +124,7 @@ class PairLadder {
     Eigen::Vector3d apart_along = Eigen::Vector3d::Zero();
     ClosestVertices between;
   };
-  std::vector<Last> last_ = std::vector<Last>(MOST_LAST);
+  std::vector<Last> last_;  // empty until a pair is asked about: it takes longer than many a check
   NarrowPhase narrow_phase_;
   std::uint64_t natively_before_ = 0;
 };
