@@ -52,6 +52,17 @@ TEST_F(NewestPoses, OneThatLagsBehindTheOthersIsSaidTo) {
   EXPECT_EQ(found().stamp, 9 * SECOND + 3 * SECOND / 4);
 }
 
+/// W hangs on a frame that nothing connects, by a transform without a limit of its age: at the
+/// newest of each nothing is known, but at the clock's stamp W is where its fixed joint has it.
+TEST_F(NewestPoses, OnesThatAreKnownByTheClockAloneAreNotCalledStatic) {
+  TransformBuffer buffer{PoseLimits{0.0, 1.0, 0.5}};
+  send(buffer, "nowhere", "tool", 5.0, 1.0, "");
+  for (const double seconds : {9.75, 10.25}) send(buffer, "base", "arm", seconds, 1.0, "");
+  const FoundBodies found = RobotPoses(buffer, *robot_, "tool").newest(10 * SECOND, {1, 1, 0});
+  EXPECT_THAT(found.known, ElementsAre(1, 1, 0));
+  EXPECT_EQ(found.stamp, 10 * SECOND);
+}
+
 // The first joint, or the transform of the whole robot in the frame of the reports.
 TEST_F(NewestPoses, BelowAFrameThatFellSilentAreLeftOutThoughAgesDoNotMatter) {
   RandomInputs random;

@@ -101,13 +101,12 @@ void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added
     frame.oldest = frame.newest = stamp;
   } else if (stamp > frame.newest) {
     const bool is_bridged = added != samples.begin() && isBridge(frame, *std::prev(added), *added);
-    const StampNs from = is_bridged ? std::max(frame.newest, std::prev(added)->stamp) : stamp;
-    if (from > frame.newest) {
+    if (!is_bridged) {
       const std::string* why = whySuspectAt(frame, frame.newest);
       const bool is_rehung = added != samples.begin() &&
                              stamp - std::prev(added)->stamp <= limits_.max_gap &&
                              added->pose.parent != std::prev(added)->pose.parent;
-      gaps.add({frame.newest, from}, why ? *why : is_rehung ? PARENT_CHANGES : too_far_apart_);
+      gaps.add({frame.newest, stamp}, why ? *why : is_rehung ? PARENT_CHANGES : too_far_apart_);
     }
     frame.newest = stamp;
   } else if (stamp < frame.oldest) {

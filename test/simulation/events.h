@@ -60,11 +60,6 @@ struct Scenario {
   std::string hungFrame(int link) const {
     return linkName(of(link).hung_by < 0 ? link : of(link).hung_by);
   }
-  /// Whether TF hangs another link by its frame.
-  bool isHanger(int link) const {
-    return std::any_of(links.begin(), links.end(),
-                       [&](const SimulatedLink& other) { return other.hung_by == link; });
-  }
   Pose inHung(int link) const { return of(link).hung_by < 0 ? Pose() : of(of(link).hung_by).X_PJ; }
 
   /// Links whose joints lie between a link and W: up from the link, and up from W.

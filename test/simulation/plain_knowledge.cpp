@@ -134,10 +134,9 @@ bool Knowledge::isCycle(Ns stamp) const {
     const bool is_fixed = of(link).joint == SimulatedLink::FIXED;
     if (of(link).is_led_away && is_by_its_frame) return false;
     is_by_its_frame = !is_fixed;
-    const Told& told = this->told(link);
-    if (told.is_lied_about) return false;
     if (is_fixed) continue;
-    if (!told.is_settled) return false;
+    const Told& told = this->told(link);
+    if (told.is_lied_about || !told.is_settled) return false;
     ++nb_moving;
     const bool is_heard =
         told.is_static ? standing(told, stamp).has_value()

@@ -118,8 +118,7 @@ class Knowledge {
     told.is_static_lie = told.is_static_lie || is_for_ever;
     told.is_plain = false;
     if (!is_static) told.lies.push_back(lie);
-    // Of a link that is fixed, nobody else says where it is.
-    if (is_for_ever || of(link).joint == SimulatedLink::FIXED) endure();
+    if (is_for_ever) endure();
   }
   /// That the root hangs on Scenario::cycle_through.
   void hearRootLie(Ns stamp) {
@@ -256,10 +255,8 @@ class Knowledge {
     if (isHeld(link) || !(is_cycle_over || root_lies_.empty())) return false;
     if (mayHangOnItself(stamp)) return false;
     for (const int i : setup_.pathTo(link)) {
+      if (of(i).joint == SimulatedLink::FIXED) continue;
       const Told& told = this->told(i);
-      const bool is_fixed = of(i).joint == SimulatedLink::FIXED;
-      if (is_fixed && told.is_lied_about) return false;  // TF may lead by the lie, which is newer
-      if (is_fixed) continue;
       if (!told.is_settled || told.is_static_lie || !inParent(i, stamp)) return false;
       const auto after = told.is_static ? told.samples.end() : told.samples.upper_bound(stamp);
       const Ns known = told.is_static ? stamp : std::prev(after)->first;

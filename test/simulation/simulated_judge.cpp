@@ -313,12 +313,19 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
 }
 
 void SimulatedNode::judgeMemory() {
+  constexpr double KEPT = 10.0;           // s
+  constexpr std::size_t OF_OTHERS = 100;  // spans, static poses, samples of liars
   const TransformBuffer& buffer = monitor_.transforms().buffer();
-  for (int frame = 0; frame < static_cast<int>(buffer.frames().size()); ++frame) {
-    const bool is_heard = buffer.gate().isHeard(frame);
-    // While the clock nearly stands, all that is said is of the seconds that are kept.
-    if (is_heard && buffer.gate().nbKept(frame) > 3000) {
-      fail("samples pile up of " + buffer.frames()[static_cast<std::size_t>(frame)]);
+  for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+    const auto& samples = knowledge_.told(link).samples;
+    const int frame = buffer.findFrame(setup_.hungFrame(link));
+    if (samples.empty() || !buffer.gate().isHeard(frame)) continue;
+    const Ns begin = samples.rbegin()->first - static_cast<Ns>(1e9 * KEPT);
+    const auto nb =
+        static_cast<std::size_t>(std::distance(samples.lower_bound(begin), samples.end()));
+    // Each may be of three nodes.
+    if (buffer.gate().nbKept(frame) > 3 * nb + OF_OTHERS) {
+      fail("samples pile up of " + linkName(link));
     }
   }
 }

@@ -96,7 +96,7 @@ void SimulatedNode::judgeMessage(const Snapshot& snapshot) {
     require(message.min_distance <= 0.0 && message.min_distance_is_bound, "distance of nothing");
   }
   std::set<std::string> left_out;
-  if (isGeometryMissing()) left_out.insert(linkName(settings_.broken));
+  for (const auto& entry : scene.missing()) left_out.insert(entry.first);
   for (const std::uint32_t model : report.left_out) left_out.insert(scene.models()[model].name);
   require(std::equal(message.left_out.begin(), message.left_out.end(), left_out.begin(),
                      left_out.end()),

@@ -206,7 +206,7 @@ void SimulatedNode::lie(const Event& event) {
     return knowledge_.hearRootLie(stamp);
   }
   const SimulatedLink& of = setup_.links[static_cast<std::size_t>(event.who)];
-  if (setup_.isHanger(event.who)) return;
+  if (of.joint == SimulatedLink::FIXED) return;
   std::string parent = linkName(of.parent);
   if (event.what == 4) stamp = last_[static_cast<std::size_t>(event.who)].first;
   const bool is_other = event.other != event.who && event.other != of.parent &&
