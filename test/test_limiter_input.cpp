@@ -83,6 +83,10 @@ TEST(LimiterParameters, ThatCannotBeUsedAreRefusedByName) {
   EXPECT_THAT(refusalOf("{" + good + ", stop_distanse: 1}"),
               HasSubstr("did you mean 'stop_distance'"));
   EXPECT_THAT(refusalOf("{" + good + ", command_type: Twist}"), HasSubstr("Float64MultiArray"));
+  const std::string quick = "{" + good + ", reaction_time: 0.005";
+  EXPECT_EQ(refusalOf(quick + "}"), "accepted");
+  EXPECT_THAT(refusalOf(quick + ", command_type: trajectory_msgs/JointTrajectory}"),
+              HasSubstr("reaction_time is 0.005 s, but each point of a trajectory takes 0.01 s"));
   EXPECT_THAT(refusalOf("{" + good + ", retreat_scale: .nan}"), HasSubstr("retreat_scale"));
   EXPECT_THAT(refusalOf("{joints: [a], deceleration: 1}"), HasSubstr("no command"));
   EXPECT_THAT(refusalOf("{command: c, deceleration: 1}"), HasSubstr("no joints"));

@@ -73,6 +73,10 @@ TEST_F(TrajectoryOfTwo, StopsNowAndInItsOwnTime) {
   command_.header.stamp = ros::Time(17.0);
   decision_.command = {0.5, 1.0};
   EXPECT_TRUE(passed().header.stamp.isZero()) << "later it is not certified";
+  for (const double given : {0.0, -1.0}) {
+    command_.points[0].time_from_start = ros::Duration(given);
+    EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(0.01)) << "else it is dropped";
+  }
   decision_ = {};
   decision_.command = {0.0, 0.0};
   const auto stop = [&](double given) {

@@ -9,6 +9,9 @@
 
 namespace collision_pairs {
 
+/// s: a trajectory controller drops a point of now or before, and goes on with the last.
+constexpr double SHORTEST_TIME_FROM_START = 0.01;
+
 /// In the order of `joints`. Throws InputError unless the command has one point with a velocity for
 /// each of them, in any order, and no other, to be reached within `reaction_time`, s.
 std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,

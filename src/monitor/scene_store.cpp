@@ -19,17 +19,17 @@ void requireLink(const RobotModel& robot, const std::string& name) {
                    didYouMean(name, namesOf(robot.links())));
 }
 
-std::vector<std::string> brokenOf(const CollisionScene& scene) {
+}  // namespace
+
+std::vector<std::string> ActiveScene::missing() const {
   std::vector<std::string> lines;
-  for (const auto& [link, reasons] : scene.missing()) {
+  for (const auto& [link, reasons] : scene->missing()) {
     for (const std::string& why : reasons) {
       lines.push_back("link '" + link + "' is left out: " + why);
     }
   }
   return lines;
 }
-
-}  // namespace
 
 void SceneJob::run(const Progress& progress) {
   if (built_) return;
@@ -55,7 +55,6 @@ bool SceneJob::changeBefore(const SceneObjects& objects) {
   if (!scene) return false;
   auto active = std::make_shared<ActiveScene>(*before_);
   active->scene = scene;
-  active->open_meshes = scene->openMeshes();
   active->revision = revisionOfResult();
   const auto isSame = [](const SceneBody& a, const SceneBody& b) { return a.body == b.body; };
   const auto &bodies = scene->bodies(), &before = before_->scene->bodies();
@@ -75,9 +74,7 @@ std::shared_ptr<ActiveScene> SceneJob::build(const Progress& progress) {
   description.settings.progress = progress;
   active->scene = CollisionScene::build(description, cache_.get());
   const CollisionScene& scene = *active->scene;
-  active->broken = brokenOf(scene);
   active->warnings = parameters_->warnings;
-  active->open_meshes = scene.openMeshes();
   active->frame = parameters_->fixed_frame.empty() ? scene.robot().links().front().name
                                                    : parameters_->fixed_frame;
   active->tf_poses = posesOf(scene, active->frame);

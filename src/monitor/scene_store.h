@@ -32,12 +32,8 @@ struct SceneParameters {
 /// A scene with what belongs to it. Replaced as a whole; holders of the old one can continue.
 struct ActiveScene {
   std::shared_ptr<const CollisionScene> scene;
-  /// Why geometry of links could not be read, one line each.
-  std::vector<std::string> broken;
   /// Of its parameters; they concern no pair.
   std::vector<std::string> warnings;
-  /// CollisionScene::openMeshes().
-  std::vector<std::string> open_meshes;
   std::string frame;                        ///< of reports and markers
   std::shared_ptr<const TfPoses> tf_poses;  ///< of its bodies
   /// Sources of its clouds, in the order of the parameters; the next scene continues to use them.
@@ -46,6 +42,9 @@ struct ActiveScene {
   /// not followed.
   std::vector<std::string> not_followed;
   std::uint64_t revision = 0;  ///< of the store's scene, of which it is one
+
+  /// CollisionScene::missing(), one line for each reason.
+  std::vector<std::string> missing() const;
 };
 
 using ActiveScenePtr = std::shared_ptr<const ActiveScene>;

@@ -14,9 +14,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr std::size_t MOST_NAMES = 10000;  // of joints: names are external input
-constexpr double SHORTEST_STOP = 0.01;     // s: a trajectory controller drops a point of now
 
-bool isNotZero(double velocity) { return velocity != 0.0; }
 // Splines and joysticks leave something of a zero.
 bool isWanted(double velocity) { return !(std::abs(velocity) <= 1e-6); }
 
@@ -141,9 +139,9 @@ trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointT
   limited.joint_names = is_accepted ? command.joint_names : joints;
   limited.points.resize(1);
   auto& point = limited.points.front();
-  if (is_accepted) point.time_from_start = command.points.front().time_from_start;
-  if (!is_accepted || std::none_of(decision.command.begin(), decision.command.end(), isNotZero)) {
-    point.time_from_start = std::max(point.time_from_start, ros::Duration(SHORTEST_STOP));
+  point.time_from_start = ros::Duration(SHORTEST_TIME_FROM_START);
+  if (is_accepted) {
+    point.time_from_start = std::max(point.time_from_start, command.points.front().time_from_start);
   }
   const bool has_positions =
       asksForPositions(command, is_accepted) &&

@@ -69,7 +69,8 @@ void refuseLoop(const std::string& read, const std::string& passed_on);
 /// is. Of a command that is not isAccepted(): zeros of the limiter's `joints`, whatever it names,
 /// with positions if it has some. All begins now, whatever stamp the command has, since later it is
 /// not certified, and is reached in the command's own time_from_start: a ramp of a length that was
-/// chosen here would begin anew with each repetition, and never end. Zeros have 10 ms at least.
+/// chosen here would begin anew with each repetition, and never end. It has
+/// SHORTEST_TIME_FROM_START at least.
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
                                                    const LimiterParameters& parameters,
                                                    const LimiterDecision& decision,

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "collision_pairs/input_error.h"
+#include "trajectory_command.h"
 #include "user_text.h"
 #include "yaml_values.h"
 
@@ -104,6 +105,11 @@ std::optional<LimiterParameters> LimiterParameters::read(const YAML::Node& value
   if (parameters.joints.empty()) throw InputError(KEY + " has no joints: those of the command");
   if (deceleration.IsNull()) throw InputError(KEY + " has no deceleration");
   readDeceleration(deceleration, parameters);
+  if (parameters.is_trajectory && parameters.law.reaction_time < SHORTEST_TIME_FROM_START) {
+    throw InputError(
+        formatted("%s/reaction_time is %g s, but each point of a trajectory takes %g s at least",
+                  KEY.c_str(), parameters.law.reaction_time, SHORTEST_TIME_FROM_START));
+  }
   return parameters;
 }
 

@@ -223,7 +223,7 @@ void CollisionPairsNode::takeScene(const ActiveScenePtr& scene) {
   auto detector = std::make_unique<CollisionDetector>(scene->scene);
   scene_service_.release(std::exchange(detector_, std::move(detector)));
   scene_service_.release(std::exchange(checked_scene_, scene));
-  health_.noteScene(scene->warnings, scene->open_meshes);
+  health_.noteScene(scene->warnings, scene->scene->openMeshes());
 }
 
 void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {

@@ -45,7 +45,7 @@ ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
     ROS_INFO_STREAM_THROTTLE(1.0, "prepared " << done << " of " << total << " meshes");
   });
   const ActiveScenePtr scene = job.scene();
-  for (const std::string& line : scene->broken) {
+  for (const std::string& line : scene->missing()) {
     if (told_.insert(line).second) ROS_ERROR_STREAM(line);
   }
   const bool is_taken = monitor_.with([&](Monitor& monitor) { return monitor.scenes().take(job); });
@@ -103,7 +103,8 @@ void SceneBuilder::load() {
                             << " elements, " << scene.bodies().size()
                             << " moving bodies, ready after "
                             << (ros::WallTime::now() - start).toSec() << " s");
-  if (!active->open_meshes.empty()) ROS_WARN_STREAM(joined(active->open_meshes, "; "));
+  const auto open_meshes = active->scene->openMeshes();
+  if (!open_meshes.empty()) ROS_WARN_STREAM(joined(open_meshes, "; "));
   if (scene.unchecked().empty()) return;
   ROS_WARN_STREAM(scene.unchecked() << (scene.mayBeFree() ? ": the verdict can be FREE because of "
                                                             "~allow_empty_scene"

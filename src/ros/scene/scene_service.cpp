@@ -129,7 +129,7 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
     response.success = true;
     response.message = "the robot was reloaded";
     const ActiveScenePtr scene = monitor_.activeScene();
-    for (const std::string& line : scene->broken) response.message += "; " + line;
+    for (const std::string& line : scene->missing()) response.message += "; " + line;
     const std::string& unchecked = scene->scene->unchecked();
     if (!unchecked.empty()) response.message += "; " + unchecked;
   } catch (const std::exception& error) {
