@@ -228,13 +228,18 @@ foreach(program ${unit_test_programs})
   collision_pairs_together(${program})
 endforeach()
 collision_pairs_test_alone(monitor_simulation collision_pairs_ros)
-target_sources(test_monitor_simulation PRIVATE test/simulation/plain_knowledge.cpp
+target_sources(test_monitor_simulation PRIVATE
+  test/simulation/plain_knowledge.cpp
+  test/simulation/simulated_cloud_reports.cpp
   test/simulation/simulated_clouds.cpp
   test/simulation/simulated_judge.cpp
-  test/simulation/simulated_limiter.cpp test/simulation/simulated_message.cpp
+  test/simulation/simulated_limiter.cpp
+  test/simulation/simulated_message.cpp
   test/simulation/simulated_node.cpp
-  test/simulation/simulated_pairs.cpp test/simulation/simulated_requests.cpp
-  test/simulation/simulated_reasons.cpp test/simulation/simulated_refusals.cpp
+  test/simulation/simulated_pairs.cpp
+  test/simulation/simulated_reasons.cpp
+  test/simulation/simulated_refusals.cpp
+  test/simulation/simulated_requests.cpp
   test/simulation/simulated_scene.cpp)
 collision_pairs_test_alone(moveit_scene test_parts collision_pairs_ros)  # it has a NEVER of its own
 collision_pairs_test_alone(moveit_shapes test_parts collision_pairs_ros)

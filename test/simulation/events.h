@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -54,6 +55,17 @@ struct Scenario {
   bool is_apart = false;
   int fixed_frame = -1;    ///< W: a link; -1: the root
   bool is_marked = false;  ///< … or a frame that is no link, which /tf_static has in its place
+  int first_axis = 0;      ///< of the world, along which x of a Pose is; y and z along those after
+  std::array<double, 3> inSpace(const Pose& p) const {
+    const double of[] = {p.x, p.y, p.z};
+    const auto at = [&](int axis) { return of[(axis + 3 - first_axis) % 3]; };
+    return {at(0), at(1), at(2)};
+  }
+  /// Of a turn about z: x, y, z, w.
+  std::array<double, 4> quaternion(double yaw) const {
+    const auto v = inSpace({0.0, 0.0, std::sin(0.5 * yaw), 0.0});
+    return {v[0], v[1], v[2], std::cos(0.5 * yaw)};
+  }
   std::string frame() const { return is_marked ? "mark" : linkName(fixed_frame); }
   const SimulatedLink& of(int link) const { return links[static_cast<std::size_t>(link)]; }
   /// Of TF, which places the link in its parent; and where that frame is in the link.
@@ -95,6 +107,7 @@ struct Scenario {
   std::string text() const {
     std::string all = "W " + linkName(fixed_frame) + (is_marked ? " marked" : "") + ", ages " +
                       std::to_string(max_pose_age) + " " + std::to_string(max_transform_age);
+    all += ", axis " + std::to_string(first_axis);
     if (is_simulated) all += ", simulated";
     if (is_apart) all += ", apart";
     if (has_cloud) all += ", camera on " + linkName(camera_on);
@@ -121,7 +134,7 @@ struct Scenario {
 struct Event {
   enum Kind {
     WAIT,
-    PUBLISH,      ///< who: link; at: its joint, or where it floats
+    PUBLISH,      ///< who: link; at: its joint, or where it floats; what: 7: a gap after the last
     REPEAT,       ///< the last of link `who`, by another node
     BREAK,        ///< what: kind of a transform that is not usable; of link `who`
     LIE,          ///< another node says that link `who` is elsewhere; what: 1: on /tf_static, 2: in
@@ -129,9 +142,10 @@ struct Event {
                   ///< the stamp of a truth, 6 and 7: `number` m from the last one
     SWITCH,       ///< to the other of /tf and /tf_static, of link `who`
     CAMERA,       ///< its mount, on /tf_static
-    STEP_CLOCK,   ///< by up to 3 s; what: 0 to 5: by less, as of a computer that is being set
+    STEP_CLOCK,   ///< by up to 8 s; what: 0 to 6: by less, as of a computer that is being set
     RUN_CLOCK,    ///< at `number` times the speed
-    CLOUD,        ///< what: kind; at: where its obstacle is; number > 0.3: of the other camera
+    CLOUD,        ///< what: kind; at: where its obstacle is, but for kinds that have it beside link
+                  ///< `who`, or where it was; number > 0.3: of the other camera
     CLOUD_BEGIN,  ///< of the work on a cloud
     CLOUD_END,
     CLEAR,        ///< all clouds
@@ -203,17 +217,22 @@ class Generator {
     if (integer(4) == 0) made.fixed_frame = integer(nb_links);
     made.is_marked = integer(6) == 0;
     if (integer(6) == 0) addHungByAnother(made);
+    made.first_axis = integer(3);
     made.findPaths();
     return made;
   }
 
   std::vector<Event> events(const Scenario& setup, int count) {
-    // Each sequence has its own faults, and some have none.
+    // Each sequence has its own faults, some have one, and some have none.
     double weights[Event::NB_KINDS] = {4,  60, 2,  3, 3, 0.5, 1,  1, 1,
                                        12, 16, 16, 1, 4, 4,   20, 1, 12};
-    for (const Event::Kind fault : {Event::BREAK, Event::LIE, Event::STEP_CLOCK, Event::RUN_CLOCK,
-                                    Event::CAMERA, Event::SWITCH, Event::REPEAT, Event::REHANG}) {
-      if (integer(2) == 0) weights[fault] = 0;
+    const Event::Kind faults[] = {Event::BREAK,  Event::LIE,    Event::STEP_CLOCK, Event::RUN_CLOCK,
+                                  Event::CAMERA, Event::SWITCH, Event::REPEAT,     Event::REHANG};
+    const int nb_faults = integer(3), only = integer(8);  // 2: any number
+    const bool is_calm = nb_faults == 0;
+    for (int i = 0; i < 8; ++i) {
+      const bool is_kept = nb_faults == 2 ? integer(2) == 0 : nb_faults == 1 && i == only;
+      if (!is_kept) weights[faults[i]] = 0;
     }
     if (!setup.has_cloud) {
       for (int kind = Event::CLOUD; kind <= Event::CLEAR; ++kind) weights[kind] = 0;
@@ -221,13 +240,21 @@ class Generator {
     if (integer(4) == 0) {
       for (const Event::Kind kind : {Event::SCENE_BEGIN, Event::SCENE_END}) weights[kind] *= 4;
     }
+    const bool is_of_clouds = setup.has_cloud && integer(3) == 0;
+    if (is_of_clouds) {
+      for (int kind = Event::CLOUD; kind <= Event::CLOUD_END; ++kind) weights[kind] *= 3;
+    }
     // One that changes between /tf and /tf_static again and again; -1: any does, now and then.
-    const int switching = integer(8) == 0 ? integer(static_cast<int>(setup.links.size())) : -1;
+    const int switching = weights[Event::SWITCH] > 0.0 && integer(4) == 0
+                              ? integer(static_cast<int>(setup.links.size()))
+                              : -1;
     if (switching >= 0) weights[Event::SWITCH] = integer(2) == 0 ? 3 : 8;
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
-    const bool has_cycles = integer(8) == 0;
+    const bool has_cycles = weights[Event::LIE] > 0.0 && integer(4) == 0;
     if (has_cycles) weights[Event::LIE] *= 8;
     std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
+    const bool is_together = is_of_clouds || integer(4) == 0;  // as robot_state_publisher does
+    const int nb_links = static_cast<int>(setup.links.size());
     std::vector<Event> events;
     std::vector<Pose> walks;   // of each link
     std::vector<char> stands;  // of each, whether it is on /tf_static
@@ -240,36 +267,55 @@ class Generator {
       event.at = walks.back();
       events.push_back(event);
     }
-    if (setup.has_cloud && integer(4) != 0) {
+    if (setup.has_cloud && (is_calm || integer(4) != 0)) {
       events.emplace_back();
       events.back().kind = Event::CAMERA;
     }
     while (static_cast<int>(events.size()) < count) {
       Event event;
       event.kind = static_cast<Event::Kind>(kinds(random_));
-      event.dt = integer(40) == 0 ? 1.5 * real() : 0.02 * real();
+      event.dt = integer(is_calm ? 400 : 40) == 0 ? 1.5 * real() : 0.02 * real();
       event.lag = integer(12) == 0 ? 1.2 * real() : 0.03 * real();
       if (integer(15) == 0) event.lag = -0.4 * real();
+      if (integer(60) == 0) event.lag = std::max(setup.max_pose_age, 0.4);
+      // In the order of their stamps, or one among many is not.
+      if (nb_faults < 2 && (is_calm || integer(80) > 0)) event.lag = 0.01;
       event.who = integer(static_cast<int>(setup.links.size()));
       event.other = integer(static_cast<int>(setup.links.size()));
       event.what = integer(8);
       if (event.kind == Event::LIE && has_cycles) event.what = 3;
+      if (event.kind == Event::CLOUD && (is_of_clouds || is_calm)) event.what = integer(3);
+      if (event.kind == Event::PUBLISH && is_calm) event.what = 0;
       if (event.kind == Event::SWITCH && switching >= 0) event.who = switching;
       event.number = integer(3) == 0 ? 0.0 : 2.0 * real() - 1.0;
       event.at = anywhere(spread);
-      char& is_static = stands[static_cast<std::size_t>(event.who)];
-      if (event.kind == Event::SWITCH) is_static = !is_static;
-      if (event.kind == Event::PUBLISH) {
+      if (event.kind == Event::SWITCH) stands[static_cast<std::size_t>(event.who)] ^= 1;
+      const auto walkOn = [&] {
+        const bool is_static = stands[static_cast<std::size_t>(event.who)] != 0;
         Pose& walk = walks[static_cast<std::size_t>(event.who)];
-        Pose step = anywhere(integer(50) == 0 ? 2.0 : 0.1);
+        Pose step = anywhere(integer(50) == 0 ? 2.0 : is_of_clouds ? 0.02 : 0.1);
         if (is_static && integer(20) != 0) step = {};
         // Equal, or not nearly so: which of two static poses within 0.1 mm counts is open.
         const auto rounded = [](double value) { return 1e-3 * std::round(1e3 * value); };
         walk = {rounded(walk.x + step.x), walk.y + step.y,
                 (is_static ? 1.0 : 0.9) * walk.z + step.z, rounded(walk.yaw + 0.05 * step.yaw)};
         event.at = walk;
+      };
+      const bool is_of_all = event.kind == Event::PUBLISH && is_together;
+      for (event.who = is_of_all ? 0 : event.who; is_of_all && event.who + 1 < nb_links;
+           ++event.who) {
+        walkOn();
+        events.push_back(event);
+        event.dt = 0.0;
       }
+      if (event.kind == Event::PUBLISH) walkOn();
       events.push_back(event);
+      if (!is_of_all || !is_of_clouds) continue;
+      for (const Event::Kind kind : {Event::CLOUD_BEGIN, Event::CLOUD_END}) {
+        events.push_back(event);
+        events.back().kind = kind;
+        events.back().dt = 0.005;
+      }
     }
     return events;
   }

@@ -13,6 +13,8 @@ namespace simulation {
 namespace {
 
 enum {
+  WHERE_IT_WAS,
+  BESIDE_THE_ROBOT,
   REPEATED = 3,
   OF_NO_FRAME,
   EMPTY,
@@ -39,14 +41,21 @@ void SimulatedNode::sendCloud(const Event& event) {
   std::vector<Pose> points;
   if (what != EMPTY) {
     points = {{4.0, 0.0, 1.0, 0.0}, {4.0, 0.1, 1.0, 0.0}};  // a wall far away
+    const auto X_WB = knowledge_.poseOf(event.who, stamp);
+    if (what != WHERE_IT_WAS) obstacle_ = event.at;
+    if (what == BESIDE_THE_ROBOT && X_WB) {
+      obstacle_ = *X_WB;
+      obstacle_.z += ballOf(event.who).radius + SELF_FILTER + 0.02;
+    }
     for (int i = 0; i < 4; ++i) {
-      points.push_back(X_CW * Pose{event.at.x + 0.01 * i, event.at.y, event.at.z, 0.0});
+      points.push_back(X_CW * Pose{obstacle_.x + 0.01 * i, obstacle_.y, obstacle_.z, 0.0});
     }
   }
   std::vector<Eigen::Vector3d> sent;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Pose& p : points) {
-    sent.emplace_back(what == NOT_FINITE ? nan : p.x, p.y, p.z);
+    sent.push_back(inSpace(p));
+    if (what == NOT_FINITE) sent.back().x() = nan;
   }
   std_msgs::Header header;
   header.frame_id = what == OF_NO_FRAME ? "elsewhere" : "camera";
@@ -88,6 +97,7 @@ void SimulatedNode::clearClouds() {
   camera_.reset();
   other_camera_.reset();
   noteCleared();
+  is_lost_ = was_lost_ = false;
 }
 
 void SimulatedNode::noteCleared() {
@@ -104,6 +114,8 @@ void SimulatedNode::noteCleared() {
 /// There is a new source of the same camera.
 void SimulatedNode::forgetClouds() {
   noteCleared();
+  was_lost_ = was_lost_ || is_lost_;
+  is_lost_ = false;
   cloud_work_.reset();
   nb_clouds_ = nb_cleared_ = nb_used_ = 0;
   last_use_ = rate_ = latency_ = 0.0;
@@ -271,86 +283,48 @@ void SimulatedNode::endCloud() {
   last_cloud_ = sent_work_.stamp;
   // It may have been filtered by what was attached before.
   if (cloud_work_revision_ < complete_revision_) return;
-  seen_ = Seen{measured, cloud_points_};
+  Seen seen{measured, cloud_points_, cloud_work_revision_};
+  is_lost_ = isAnyLost();
+  if (seen_) seen.before = seen_->points;
+  seen_ = seen;
 }
 
-/// For diagnostics: the rate is a mean in which each interval weighs a tenth.
-void SimulatedNode::noteUse(double latency) {
-  const double rate = 1.0 / std::max(steady_ - last_use_, 1e-6);
-  if (nb_used_ == 1) rate_ = rate;
-  if (nb_used_ > 1) rate_ = 0.9 * rate_ + 0.1 * rate;
-  ++nb_used_;
-  last_use_ = steady_;
-  latency_ = latency;
-}
-
-void SimulatedNode::judgeHealth(const CloudHealth& health) {
-  if (health.used != static_cast<std::uint64_t>(nb_used_)) fail("another number of used clouds");
-  const double age = steady_ - last_use_;
-  const double rate = age > 3.0 ? 0.0 : rate_;
-  if (std::abs(age - 3.0) > 1e-6 && std::abs(health.rate - rate) > 1e-3 * (1.0 + rate)) {
-    fail("the rate of clouds is another");
+/// Whether something that two clouds showed beside a link is not in the one that is used now, where
+/// nothing hides it and nothing is near that it may have become.
+bool SimulatedNode::isAnyLost() const {
+  constexpr double BESIDE = 0.06, NEAR = 0.4, SHADOW = 0.1;  // m, m, rad
+  const auto X_WL = knowledge_.poseOf(setup_.camera_on, sent_work_.stamp);
+  if (!seen_ || seen_->revision != cloud_work_revision_ || cloud_points_.empty() || !X_WL) {
+    return false;
   }
-  if (health.points != sent_points_) fail("the number of points is another");
-  if (nb_used_ == 0) return;
-  if (std::abs(health.latency - latency_) > ROUNDING) fail("the latency of clouds is another");
-  if (health.kept > health.points || health.processing <= 0.0) {
-    fail("the numbers of points do not agree");
+  for (const auto& [name, object] : objects_) {
+    if (object.link >= 0) return false;
   }
-  const CloudView view = monitor_.scenes().active()->clouds.front()->view();
-  if (view.voxels && view.voxels->size() != health.voxels) fail("other voxels are counted");
-  if (view.voxels && view.voxels->size() > most_voxels_) fail("voxels of before count");
-}
-
-/// Empty: there is none, but that something may have come too near to be seen.
-std::string SimulatedNode::expectedCloudProblem(bool is_refused) const {
-  if (!used_cloud_) return is_refused ? "none is usable" : "none has arrived yet on /points";
-  if (used_cloud_->pass != knowledge_.pass()) return "none has arrived since the clock went back";
-  if (seconds(ros_) - used_cloud_->measured > timeout()) return "the newest is ";
-  if (is_refused) return "the last was refused";
-  const bool is_silent = other_camera_ && settings_.source_timeout > 0.0 &&
-                         steady_ - *other_camera_ > settings_.source_timeout;
-  if (other_camera_ && !is_silent) return "one was refused: it is of frame '";
-  if (used_cloud_->revision < complete_revision_)
-    return "none has arrived since the robot, or what";
-  return "";
-}
-
-/// That are in the node, but for one that was cleared while it was processed.
-int SimulatedNode::nbCloudsHere() const {
-  const bool is_processed = cloud_work_ && cloud_work_generation_ == cloud_generation_;
-  return (next_cloud_ ? 1 : 0) + (waiting_cloud_ ? 1 : 0) + (is_processed ? 1 : 0);
-}
-
-void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
-  if (!setup_.has_cloud) return;
-  const double age = used_cloud_ ? seconds(ros_) - used_cloud_->measured : 0.0;
-  std::string said;
-  for (const std::string& reason : snapshot.poses.unknown_because) {
-    if (reason.rfind("cloud '", 0) == 0) said = reason;
-  }
-  const auto isSaid = [&](bool is_refused) {
-    const std::string expected = expectedCloudProblem(is_refused), begin = "cloud 'points': ";
-    const bool is_of_filter = expected.rfind("none has arrived since the robot", 0) == 0;
-    const bool is_of_other = expected.rfind("one was refused", 0) == 0;
-    const bool may_touch = said.rfind(begin + "something ", 0) == 0;
-    if (expected.empty()) return said.empty() || may_touch;
-    if (may_touch && (is_of_filter || is_of_other)) return true;
-    return said.rfind(begin + expected, 0) == 0;
+  const Pose X_CW = inverse(*X_WL * X_LC_);
+  const auto isBeside = [&](int link, const Pose& p) {
+    const auto X_WB = knowledge_.poseOf(link, sent_work_.stamp);
+    const bool is_certain =
+        X_WB && settings_.ignored.count(link) == 0 && knowledge_.isCertain(link, sent_work_.stamp);
+    return is_certain && std::abs(distance(ballOf(link), *X_WB, {}, p)) < BESIDE;
   };
-  const bool is_edge = std::abs(age - timeout()) < 1e-6;
-  if (!isSaid(is_cloud_refused_) && !(may_cloud_be_refused_ && isSaid(true)) && !is_edge) {
-    fail("of clouds is said: '" + said + "', not: " + expectedCloudProblem(is_cloud_refused_));
-  }
-  const CloudHealth health = monitor_.scenes().active()->clouds.front()->health();
-  const auto nb_gone = health.used + health.refused + health.dropped;
-  if (health.received != static_cast<std::uint64_t>(nb_clouds_) ||
-      nb_gone + static_cast<std::uint64_t>(nbCloudsHere() + nb_cleared_) != health.received) {
-    fail("clouds are lost, or counted twice");
-  }
-  judgeHealth(health);
-  const bool is_waiting = monitor_.scenes().active()->clouds.front()->isWaiting();
-  if (is_waiting != (next_cloud_ || waiting_cloud_)) fail("whether a cloud waits is not said");
+  const auto isLost = [&](const Pose& p) {
+    const Pose in_camera = X_CW * p;
+    const auto explains = [&](const Pose& q) {
+      const double of_p = metresOf(in_camera, {}), of_q = metresOf(q, {});
+      const double cosine =
+          (q.x * in_camera.x + q.y * in_camera.y + q.z * in_camera.z) / (of_p * of_q);
+      const bool may_hide = of_q < of_p + NEAR && !(cosine < std::cos(SHADOW));
+      return may_hide || metresOf(q, in_camera) < NEAR;
+    };
+    const auto isSame = [&](const Pose& q) { return metresOf(p, q) < 0.01; };
+    if (std::none_of(seen_->before.begin(), seen_->before.end(), isSame)) return false;
+    if (std::any_of(sent_work_.points.begin(), sent_work_.points.end(), explains)) return false;
+    for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+      if (isBeside(link, p)) return true;
+    }
+    return false;
+  };
+  return std::any_of(seen_->points.begin(), seen_->points.end(), isLost);
 }
 
 }  // namespace simulation

@@ -93,9 +93,10 @@ SimulatedNode::Poses SimulatedNode::posesAt(Ns stamp) const {
 bool SimulatedNode::isBody(int link, const Eigen::Isometry3d& X_WB, Ns stamp) const {
   const auto expected = knowledge_.poseOf(bodyOf(link), stamp);
   if (!expected) return false;
-  const Eigen::Vector3d p(expected->x, expected->y, expected->z);
-  const Eigen::AngleAxisd R(expected->yaw, Eigen::Vector3d::UnitZ());
-  return (X_WB.translation() - p).norm() + (X_WB.linear() - R.toRotationMatrix()).norm() < 1e-5;
+  const Eigen::AngleAxisd R(expected->yaw, inSpace({0.0, 0.0, 1.0, 0.0}));
+  return (X_WB.translation() - inSpace(*expected)).norm() +
+             (X_WB.linear() - R.toRotationMatrix()).norm() <
+         1e-5;
 }
 
 /// A pose that is known is one that was said, and one that was said plainly is known.
@@ -220,12 +221,13 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   judgeApart(at);
   if (!setup_.has_cloud) return;
   if (!seen_) return fail("FREE although no cloud is in use");
+  if (is_lost_ || was_lost_) fail("FREE although what was beside the robot has vanished");
   if (seconds(ros_) - seen_->measured > timeout() + 1e-6) fail("FREE of an old cloud");
   const double oldest = std::min(seen_->measured, snapshot.stamp.toSec());
   if (std::abs(snapshot.oldest_cloud - oldest) > 1e-6) fail("a cloud has another age");
   const OccupiedVoxels& voxels = *snapshot.poses.voxels.front();
   for (const Pose& p : seen_->points) {
-    const Eigen::Vector3d at_p(p.x, p.y, p.z);
+    const Eigen::Vector3d at_p = inSpace(p);
     if (!voxels.anyWithin({at_p, at_p}, 1e-3)) fail("what a camera saw is elsewhere");
   }
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
@@ -363,6 +365,7 @@ void SimulatedNode::recover(double duration) {
     happen(joints);
     if (step % 5 == 0) {
       Event cloud;
+      cloud.what = 2;  // sound, and where `at` says
       cloud.at = {-2.0, -2.0, 0.0, 0.0};
       for (const auto kind : {Event::CLOUD, Event::CLOUD_BEGIN, Event::CLOUD_END}) {
         cloud.kind = kind;

@@ -202,7 +202,8 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
       const int body = robot.links()[static_cast<std::size_t>(robot.findLink(linkName(link)))].body;
       if (!expected || body < 0) continue;
       const Eigen::Vector3d p = X_WB[static_cast<std::size_t>(body)].translation();
-      if ((p - Eigen::Vector3d(expected->x, expected->y, expected->z)).norm() > 1e-6) {
+      const auto q = setup_.inSpace(*expected);
+      if ((p - Eigen::Vector3d(q[0], q[1], q[2])).norm() > 1e-6) {
         return "the limiter has " + linkName(link) + " elsewhere";
       }
     }

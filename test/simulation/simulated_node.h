@@ -23,6 +23,7 @@ constexpr Ns BEGIN = 1000000000000;                      // of ROS time
 constexpr double LONGEST_WAIT = 1.0;                     // s, of the cloud
 constexpr double SELF_FILTER = 0.02, MAX_RANGE = 100.0;  // m
 constexpr double ALARM_DISTANCE = 0.3;                   // m
+constexpr double NEW_RUN = 5.0;                          // s: /clock goes back by more
 
 /// An object of the scene.
 struct PlainObject {
@@ -76,7 +77,9 @@ class SimulatedNode {
   /// Of the last cloud that was used.
   struct Seen {
     double measured = 0.0;
-    std::vector<Pose> points;  ///< in W, but for the robot's own
+    std::vector<Pose> points;       ///< in W, but for the robot's own
+    std::uint64_t revision = 0;     ///< of the scene that it was filtered with
+    std::vector<Pose> before = {};  ///< points of the cloud before
   };
 
   struct SentCloud {
@@ -96,6 +99,9 @@ class SimulatedNode {
     std::uint64_t revision;  ///< of the scene that it was filtered with
   };
 
+  geometry_msgs::Pose message(const Pose& pose) const;
+  Eigen::Vector3d inSpace(const Pose& pose) const;
+  void place(geometry_msgs::TransformStamped& transform, const Pose& pose) const;
   void advance(double dt);
   Ns stampOf(double lag) const;
   void publish(const std::string& parent, const std::string& link, Ns stamp, const Pose& X_PB,
@@ -123,6 +129,7 @@ class SimulatedNode {
   void judgeClouds(const Snapshot& snapshot);
   int nbCloudsHere() const;
   void noteUse(double latency);
+  bool isAnyLost() const;
   void judgeHealth(const CloudHealth& health);
   void beginScene(const Event& event);
   void endScene(bool is_first);
@@ -210,6 +217,7 @@ class SimulatedNode {
   std::shared_ptr<CloudJob> cloud_work_;
   std::vector<Pose> cloud_points_;  ///< in W, of cloud_work_
   std::optional<SentCloud> next_cloud_, waiting_cloud_;
+  Pose obstacle_;                            ///< in W, of the last cloud
   sensor_msgs::PointCloud2::ConstPtr sent_;  ///< the last, which may be sent again
   SentCloud sent_cloud_;
   SentCloud sent_work_;  ///< of cloud_work_
@@ -232,6 +240,8 @@ class SimulatedNode {
   std::uint64_t cloud_work_revision_ = 0, complete_revision_ = 0;
   Ns last_cloud_ = 0;  ///< stamp of the last that was used
   std::optional<Seen> seen_;
+  bool is_lost_ = false;   ///< what was beside the robot is not in the last cloud
+  bool was_lost_ = false;  ///< … when the clock went back, or the source was replaced
   bool is_camera_told_ = false;
   Pose X_LC_;
   CollisionReport report_;

@@ -31,7 +31,11 @@ std::string missingName(const CollisionScene& scene, const CollisionReport& repo
 void SimulatedNode::noteTransform(int link, const std::optional<std::string>& refusal) {
   const TransformInput& transforms = monitor_.transforms();
   if (transforms.nbRefused() != nb_refused_ + (refusal ? 1 : 0)) {
-    fail("another number of refused transforms is counted");
+    const std::vector<std::string> refused = transforms.refused();
+    fail("another number of refused transforms is counted: " + (refusal ? "none because " + *refusal
+                                                                : refused.empty()
+                                                                    ? ""
+                                                                    : refused.back()));
   }
   if (transforms.firstRefused().empty() != (transforms.nbRefused() == 0)) {
     fail("the first refused transform is not named");

@@ -120,7 +120,7 @@ void SimulatedNode::judgeListed(const Scene& message) {
     if (known == objects_.end()) return fail("a scene's message has another object");
     const PlainObject& object = known->second;
     const std::string link = object.link < 0 ? "" : linkName(object.link);
-    const Eigen::Vector3d p(object.X_PO.x, object.X_PO.y, object.X_PO.z);
+    const Eigen::Vector3d p = inSpace(object.X_PO);
     const auto& at = said.pose.position;
     const bool is_there = (Eigen::Vector3d(at.x, at.y, at.z) - p).norm() < 1e-5;
     const bool is_in_frame = said.header.frame_id == (link.empty() ? setup_.frame() : link);

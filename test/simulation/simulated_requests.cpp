@@ -136,7 +136,7 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
       const int link = body.link == "root" ? -1 : bodyOf(std::stoi(body.link.substr(1)));
       const Eigen::Vector3d p = asked.poses.X_WB[i].translation();
       const std::optional<Pose> expected = link < 0 ? X_WR : at[static_cast<std::size_t>(link)];
-      if (expected && (p - Eigen::Vector3d(expected->x, expected->y, expected->z)).norm() > 1e-5) {
+      if (expected && (p - inSpace(*expected)).norm() > 1e-5) {
         fail("a request has " + body.link + " elsewhere");
       }
     }

@@ -20,12 +20,6 @@ SceneChange changeOf(std::uint8_t operation, const std::string& name) {
   return change;
 }
 
-void place(SceneObject& object, const Pose& at) {
-  object.pose = poseAt(at.x, at.y, at.z);
-  object.pose.orientation.w = std::cos(0.5 * at.yaw);
-  object.pose.orientation.z = std::sin(0.5 * at.yaw);
-}
-
 }  // namespace
 
 /// That the oldest of the frames which place it has reached; nothing if one was not heard of.
@@ -129,10 +123,11 @@ void SimulatedNode::beginScene(const Event& event) {
       case ADD_IN_LINK: {
         const bool is_box = event.number > 0.3;
         const Solid solid{is_box, 0.15, {0.2, 0.3, 0.1}};
+        const auto edges = setup_.inSpace({0.4, 0.6, 0.2, 0.0});
         change.object.primitives = {
-            is_box ? primitive(shape_msgs::SolidPrimitive::BOX, {0.4, 0.6, 0.2})
+            is_box ? primitive(shape_msgs::SolidPrimitive::BOX, {edges[0], edges[1], edges[2]})
                    : primitive(shape_msgs::SolidPrimitive::SPHERE, {0.15})};
-        place(change.object, event.at);
+        change.object.pose = message(event.at);
         PlainObject object{solid, -1, event.at, {}};
         const bool is_attached = event.number > -0.6 && event.number < -0.2;
         if (what == ADD_IN_LINK && is_attached) {
@@ -155,7 +150,7 @@ void SimulatedNode::beginScene(const Event& event) {
       }
       case MOVE:
         change.operation = SceneChange::MOVE;
-        place(change.object, event.at);
+        change.object.pose = message(event.at);
         known->second.X_PO = event.at;
         break;
       case REMOVE:
@@ -255,7 +250,7 @@ void SimulatedNode::judgeObjects() {
     if (found == known.end()) return fail("there is no object " + name);
     const RigidObject& is = found->second.object;
     const std::string link = object.link < 0 ? "" : linkName(object.link);
-    const Eigen::Vector3d p(object.X_PO.x, object.X_PO.y, object.X_PO.z);
+    const Eigen::Vector3d p = inSpace(object.X_PO);
     if (is.attached_link != link || (is.X_PO.translation() - p).norm() > 1e-5) {
       fail(name + " is elsewhere, or on another link");
     }
