@@ -311,7 +311,7 @@ def test_an_srdf_beside_a_urdf_that_is_replaced_is_not_used(run_bag, tmp_path):
 def test_a_path_that_is_no_bag_is_said_to_be_none(run_tool, tmp_path):
     for path, why in ((tmp_path / "none.bag", "there is no such file"), (tmp_path, "is not a file")):
         done = run_tool("check_bag", path, "--urdf", DEMO_ROBOT[1])
-        assert (done.returncode, done.stderr) == (2, "error: %s: %s\n" % (path, why))
+        assert (done.returncode, done.stdout, done.stderr) == (2, "", "error: %s: %s\n" % (path, why))
 
 
 @pytest.mark.parametrize("index", [bytes(8), b"\1" + bytes(7), bytes(4) + b"\1" + bytes(3)])

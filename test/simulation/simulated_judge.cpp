@@ -282,7 +282,9 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
     // What the cycle cannot place at any instant, a request may not have to ask about.
     // … nor do the newest transforms of its joints lead where those of the clock's stamp do.
     const bool is_static = asked.is_static && asked.poses.unknown_because.empty();
-    if (!snapshot.is_static && (asked.stamp != snapshot.stamp || is_static)) {
+    if (!snapshot.isKnown()) {  // that is of the clock's instant
+      if (asked.poses.unknown_because.empty()) fail("a request knows what the cycle does not");
+    } else if (!snapshot.is_static && (asked.stamp != snapshot.stamp || is_static)) {
       fail("a request is of another instant");
     }
     // Of joints it takes what is newest of each: that may be suspect where older poses are not.

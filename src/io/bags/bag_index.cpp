@@ -181,13 +181,13 @@ class Sorter {
   std::multimap<StampNs, Waiting> waiting_;  ///< by time; of one time in the order of the file
 };
 
+}  // namespace
+
 void requireFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path + ": there is no such file");
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": is not a file");
 }
-
-}  // namespace
 
 BagTopic kindOf(const RawMessage& raw) {
   const std::string name = nameIn(raw.topic);

@@ -59,6 +59,9 @@ struct BagIndex {
   BagRecords records;          ///< what could not be read, and the connections
 };
 
+/// Throws InputError unless there is a file, so that the last of many is not missed after hours.
+void requireFile(const std::string& path);
+
 /// A bag without an index, truncated or with damaged chunks is read as far as possible
 /// (readBagRecords), and `losses` says what is missing. Throws InputError if it is not a bag, or
 /// contains no transforms and no joint states.

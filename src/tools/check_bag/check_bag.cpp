@@ -3,6 +3,7 @@
 #include <string>
 
 #include "bag_checker.h"
+#include "bag_index.h"
 #include "bag_outputs.h"
 #include "bag_recorder.h"
 #include "collision_pairs/input_error.h"
@@ -98,6 +99,7 @@ void complete(Options& options) {
     if (bag.find_first_of("\n\r") != std::string::npos) {
       throw InputError("'" + bag + "': rename it; a line break in its name would break the table");
     }
+    requireFile(bag);
   }
 }
 
