@@ -378,7 +378,7 @@ TEST_F(Ompl, SettingsForWhichNoStateIsValidAreRefused) {
   EXPECT_THROW(OmplStateValidityChecker(space_, scene_, joints_, negative), InputError);
   MotionSettings of_motions[3];
   of_motions[0].clearance = -1.0;
-  of_motions[1].resolution = 0.0;
+  of_motions[1].resolution = 1e300;
   of_motions[2].clearance_of = [](auto, auto) { return 0.1; };
   for (const MotionSettings& settings : of_motions) {
     EXPECT_THROW(OmplMotionValidator(space_, scene_, joints_, settings), InputError);
@@ -395,6 +395,15 @@ TEST_F(Ompl, ASpaceThatDoesNotFitIsRefused) {
   };
   EXPECT_EQ(refused(turns), "the state space is not a RealVectorStateSpace");
   EXPECT_EQ(refused(spaceOf(3)), "the state space has 3 dimensions, but 2 joints are named");
+  struct Shortest : ob::RealVectorStateSpace {  // the shorter way round
+    using RealVectorStateSpace::RealVectorStateSpace;
+  };
+  const auto round = std::make_shared<ob::SpaceInformation>(std::make_shared<Shortest>(2));
+  EXPECT_EQ(refused(round), "accepted");
+  EXPECT_EQ(
+      refusal([&] { OmplMotionValidator(round, scene_, joints_); }),
+      "the state space is derived from RealVectorStateSpace, so that its motions may be others "
+      "than straight lines, which alone are certified");
   EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lft"}, {}, {}}), InputError);
   EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lift"}, {0.0}, {}}), InputError);
 }

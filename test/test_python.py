@@ -192,6 +192,9 @@ def test_settings_that_only_the_node_follows_are_named_in_a_warning():
     ignored = "ignored, so a state may be free only without them: robots, cloud 'camera/points'$"
     with pytest.warns(UserWarning, match=ignored):
         detector(settings={"clouds": [{"topic": "camera/points"}], "robots": [{"description": "other"}]})
+    world = cp.Robot("<robot name='world'><link name='room'>" + BALL % 0.2 + "</link></robot>")
+    with pytest.warns(UserWarning, match="only without them: fixed_frame$"):
+        detector(world=world, settings={"links": ["tip"], "fixed_frame": "map"})
 
 
 def test_objects_settings_and_a_world_are_in_the_scene():
@@ -322,7 +325,8 @@ REFUSED = {
     "joint 'x' is not in robot": lambda: motions().check([[0], [1]], ["x"]),
     "clearance": lambda: motions().check([[0, 1], [0, 1]], clearance=-1),
     "resolution": lambda: motions().check([[0, 1], [0, 1]], resolution=0),
-    "no pair to check": lambda: detector(settings={"links": ["mid"]}),
+    "no pair to check": lambda: detector(settings={"links": ["nothing_*"]}),
+    "'mid', which has no <collision>": lambda: detector(settings={"links": ["mid"]}),
     "surrogates": lambda: detector().check([0.0], ["\ud800"]),
     "neither true nor false": lambda: bool(detector().check([0, 1])),
     "not int": lambda: cp.Robot(3),

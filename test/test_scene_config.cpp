@@ -260,10 +260,10 @@ TEST(SceneSettingsMap, HasTheLimitsOfPosesAndSaysWhatOnlyTheNodeFollows) {
       {"robots: {}", {}},
       {"robots: ''", {}},
       {"robots: ~", {}},
-      {"fixed_frame: map", {}},
+      {"fixed_frame: map", {"fixed_frame"}},
       {"{floor: {height: 0}, fixed_frame: map}", {"fixed_frame"}},
       {"{floor: {height: 0}, fixed_frame: ''}", {}},
-      {"{floor: {}, fixed_frame: map}", {}},
+      {"{floor: {}, fixed_frame: map}", {"fixed_frame"}},
       {"{floor: {height: 0}, fixed_frame: map, robots: [a]}", {"robots", "fixed_frame"}}};
   for (const auto& [yaml, ignored] : cases) EXPECT_EQ(read(yaml).of_the_node_only, ignored) << yaml;
 }
@@ -325,11 +325,16 @@ TEST(SceneSettingsMap, NoWordThatIsNotKnownIsSkippedAnywhere) {
 TEST(SceneSettingsMap, WhatIsIgnoredIsWarnedOfInOneSentence) {
   SceneConfig config = readSceneConfig(YAML::Load("clouds: [{topic: /a}, {topic: b}]"));
   const std::string warned = "ignored, so a state may be free only without them: ";
-  EXPECT_EQ(warningOfIgnored(config, {}), warned + "cloud '/a', cloud 'b'");
-  EXPECT_EQ(warningOfIgnored(config, {config.clouds[1]}), warned + "cloud '/a'");
-  EXPECT_EQ(warningOfIgnored(config, config.clouds), "");
+  EXPECT_EQ(warningOfIgnored(config, {}, false), warned + "cloud '/a', cloud 'b'");
+  EXPECT_EQ(warningOfIgnored(config, {config.clouds[1]}, false), warned + "cloud '/a'");
+  EXPECT_EQ(warningOfIgnored(config, config.clouds, false), "");
   config.of_the_node_only = {"robots"};
-  EXPECT_EQ(warningOfIgnored(config, config.clouds), warned + "robots");
+  EXPECT_EQ(warningOfIgnored(config, config.clouds, false), warned + "robots");
+  config.of_the_node_only = {"fixed_frame"};
+  EXPECT_EQ(warningOfIgnored(config, config.clouds, false), "") << "the robot alone is in it";
+  EXPECT_EQ(warningOfIgnored(config, config.clouds, true), warned + "fixed_frame");
+  config.floor = RigidObject();
+  EXPECT_EQ(warningOfIgnored(config, config.clouds, false), warned + "fixed_frame");
 }
 
 class ConfigFile : public testing::Test {

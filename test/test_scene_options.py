@@ -34,7 +34,7 @@ def test_the_nodes_own_file_changes_nothing(check):
         [(row["pairs"], row["min_distance"]) for row in shipped]
 
 
-def test_settings_that_only_the_node_follows_are_named_in_a_warning(check):
+def test_settings_that_only_the_node_follows_are_named_in_a_warning(check, tmp_path):
     cloud = "clouds: [{topic: camera/points, voxel_size: 0.02}]\n"
     robots = "robots: [{description: other, prefix: other}]\n"
     floor = "floor: {height: -1.0}\nfixed_frame: map\n"
@@ -42,6 +42,10 @@ def test_settings_that_only_the_node_follows_are_named_in_a_warning(check):
     assert warned + "robots, fixed_frame, cloud 'camera/points'" in check(settings=cloud + robots + floor)[0].stderr
     assert warned not in check("--settings", SHIPPED)[0].stderr
     assert warned not in check(settings="fixed_frame: map\nrobots: []")[0].stderr
+    world = tmp_path / "world.urdf"
+    world.write_text("<robot name='w'><link name='far'><collision><origin xyz='90 0 0'/><geometry><sphere radius='1'/></geometry>"
+                     "</collision></link></robot>")
+    assert warned + "fixed_frame" in check("--world", world, settings="fixed_frame: map")[0].stderr
 
 
 EMPTY = {"there is no pair to check": "ignored_links: ['*']\n",

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <typeinfo>
 #include <utility>
 #include <vector>
 
@@ -212,6 +213,12 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
       : MotionValidator(space),
         workers_(*space, std::move(scene), std::move(joints)),
         settings_(settings) {
+    const ompl::base::StateSpace& states = *space->getStateSpace();
+    if (typeid(states) != typeid(ompl::base::RealVectorStateSpace)) {
+      throw InputError(
+          "the state space is derived from RealVectorStateSpace, so that its motions may be others "
+          "than straight lines, which alone are certified");
+    }
     workers_.requireAnswer([&](Worker& worker, const std::vector<double>& positions) {
       worker.check.check({positions, positions}, settings_, {}, workers_.voxels());
     });

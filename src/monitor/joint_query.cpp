@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collision_pairs/input_error.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -74,6 +75,9 @@ ros::Time JointQuery::place(const JointQueryTf& tf) {
     ros::Time stamp;
     const bool is_needed = are_needed[placed_.size()];
     placed_.push_back(poseOf(body, is_needed, tf, problem, stamp));
+    if (problem.empty() && placed_.back() && is_needed) {
+      problem = whyCarried(static_cast<int>(placed_.size()) - 1, tf);
+    }
     if (!problem.empty() && is_needed) unknown_because_.push_back(std::move(problem));
     if (stamp.isZero()) continue;
     can_age = can_age || body.joint < 0;
@@ -119,6 +123,30 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
   problem = "joint '" + joint.name + "' is neither named nor known to TF: it was taken as zero; " +
             (tf.now.isZero() ? NO_CLOCK : problem);
   return body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
+}
+
+std::string JointQuery::whyCarried(int body, const JointQueryTf& tf) const {
+  if (!tf.poses) return "";
+  const RobotModel& robot = scene_.robot();
+  const int carrier = tf.poses->carrierOf(body, tf.stamp);
+  if (carrier < 0) return "";
+  const auto moves = [&](int joint) {
+    const int column = joint < 0 ? -1 : columns_.sourceOf(joint).column;
+    if (column < 0 || !tf.moved) return column >= 0;
+    const int named = columns_.jointOf(static_cast<std::size_t>(column));
+    return contains(*tf.moved, robot.joints()[named].name);
+  };
+  const int parent = robot.bodies()[body].parent;
+  std::string why;
+  robot.visitBetween(carrier, parent >= 0 ? parent : tf.poses->bodyOfFrame(), [&](int below, bool) {
+    const int joint = robot.bodies()[below].joint;
+    if (!why.empty() || !moves(joint)) return;
+    why = "link '" + robot.links()[robot.bodies()[body].link].name + "': TF hangs it on '" +
+          robot.links()[robot.bodies()[carrier].link].name + "', which joint '" +
+          robot.joints()[joint].name +
+          "' moves, and no URDF says so: where it is then is not known; make one URDF of both";
+  });
+  return why;
 }
 
 void JointQuery::refuseOtherCount(const std::vector<double>& positions) const {

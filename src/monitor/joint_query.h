@@ -27,6 +27,8 @@ struct JointQueryTf {
   ros::Time heard = {};
   /// At stamp 0: the newest instant that all transforms have reached, or else the newest of each.
   bool is_of_one_instant = true;
+  /// Of the names, the joints that are about to move from where TF has them; null: all.
+  const std::vector<std::string>* moved = nullptr;
 };
 
 /// Forward kinematics for named joints: mimic joints follow, joints not named keep their positions
@@ -71,6 +73,8 @@ class JointQuery {
   /// Its pose in its parent's frame (of a root: in the frame); none: its joint has a column.
   std::optional<Eigen::Isometry3d> poseOf(const Body& body, bool is_needed, const JointQueryTf& tf,
                                           std::string& problem, ros::Time& stamp);
+  /// What TF places by a joint that is about to move is elsewhere then. Empty: nothing does.
+  std::string whyCarried(int body, const JointQueryTf& tf) const;
   void refuseOtherCount(const std::vector<double>& positions) const;
 
   const CollisionScene& scene_;

@@ -17,7 +17,7 @@ constexpr std::size_t MOST_NAMED = 10;  // left_out names all links
 
 }  // namespace
 
-Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
+Snapshot Monitor::begin(const ActiveScenePtr& scene, const ros::Time& stamp) const {
   Snapshot snapshot;
   snapshot.scene = scene;
   snapshot.stamp = transforms_.now().stamp;
@@ -29,13 +29,17 @@ Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
         "the node was started anew, and the objects that ~update_scene had added are lost: send "
         "CLEAR, and add them again");
   }
+  if (!stamp.isZero() && stamp < scenes_.since()) {
+    snapshot.poses.unknown_because.push_back(
+        "the scene was changed after the stamp of the request, and only the newest is kept");
+  }
   const std::string missing = missingGeometry(*scene->scene);
   if (!missing.empty()) snapshot.poses.unknown_because.push_back(missing);
   return snapshot;
 }
 
 Snapshot Monitor::at(const ActiveScenePtr& scene, const ros::Time& stamp) const {
-  Snapshot snapshot = begin(scene);
+  Snapshot snapshot = begin(scene, stamp);
   StampedPoses stamped =
       stamp.isZero() ? scene->tf_poses->latest(snapshot.stamp) : scene->tf_poses->at(stamp);
   snapshot.is_static = stamped.stamp.isZero();
@@ -97,14 +101,15 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
 }
 
 void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
-                        bool are_of_one_instant, Snapshot& snapshot) const {
+                        const std::vector<std::string>* moved, Snapshot& snapshot) const {
   const ActiveScene& active = *snapshot.scene;
   JointQueryTf tf{transforms_, active.frame, stamp, snapshot.stamp, active.tf_poses.get()};
-  tf.is_of_one_instant = are_of_one_instant;
+  tf.is_of_one_instant = moved == nullptr;
+  tf.moved = moved;
   if (stamp.isZero()) {
     const NewestStamps newest = active.tf_poses->newestStamps(snapshot.stamp);
     tf.heard = toTime(newest.heard);
-    if (are_of_one_instant) tf.stamp = toTime(newest.common);
+    if (tf.is_of_one_instant) tf.stamp = toTime(newest.common);
   }
   snapshot.joints.emplace(names, *active.scene, tf);
   const auto& of_joints = snapshot.joints->unknownBecause();
@@ -114,18 +119,18 @@ void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& 
 
 Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std::string>& names,
                              const ros::Time& stamp) const {
-  Snapshot snapshot = begin(scene);
-  addJoints(names, stamp, true, snapshot);
+  Snapshot snapshot = begin(scene, stamp);
+  addJoints(names, stamp, nullptr, snapshot);
   snapshot.is_static = snapshot.joints->stamp().isZero();
   if (!snapshot.is_static) snapshot.stamp = snapshot.joints->stamp();
   addClouds(stamp, snapshot);
   return snapshot;
 }
 
-Snapshot Monitor::withMeasured(const ActiveScenePtr& scene,
-                               const std::vector<std::string>& names) const {
+Snapshot Monitor::withMeasured(const ActiveScenePtr& scene, const std::vector<std::string>& names,
+                               const std::vector<std::string>& moved) const {
   Snapshot snapshot = begin(scene);
-  addJoints(names, ros::Time(), false, snapshot);
+  addJoints(names, ros::Time(), &moved, snapshot);
   addClock(snapshot);  // positions are not seen to age either
   addClouds(ros::Time(), snapshot);
   return snapshot;

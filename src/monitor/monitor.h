@@ -42,25 +42,28 @@ class Monitor {
   /// Of `scene`, which is the active one or a restricted one; if it was replaced since, the
   /// answer is UNKNOWN: what is attached may have changed, and the clouds know. At the newest
   /// instant for which all poses are known, leaving out those that are too old; with a stamp other
-  /// than 0, at that one.
+  /// than 0, at that one, and UNKNOWN if the scene was another one then.
   Snapshot at(const ActiveScenePtr& scene, const ros::Time& stamp = ros::Time()) const;
   /// The same for positions of named joints; joints that are not named are where TF has them.
   /// Throws InputError as JointQuery does.
   Snapshot withJoints(const ActiveScenePtr& scene, const std::vector<std::string>& names,
                       const ros::Time& stamp) const;
-  /// The same for positions that were measured now: all else is as new as it can be.
-  Snapshot withMeasured(const ActiveScenePtr& scene, const std::vector<std::string>& names) const;
+  /// The same for positions that were measured now: all else is as new as it can be. `moved`: the
+  /// joints among them that are about to move.
+  Snapshot withMeasured(const ActiveScenePtr& scene, const std::vector<std::string>& names,
+                        const std::vector<std::string>& moved) const;
 
   /// Where the bodies in the pairs of the report, which is of the snapshot, were a little earlier.
   EarlierPoses before(const Snapshot& snapshot, const CollisionReport& report) const;
 
  private:
-  Snapshot begin(const ActiveScenePtr& scene) const;
+  Snapshot begin(const ActiveScenePtr& scene, const ros::Time& stamp = ros::Time()) const;
   void addClock(Snapshot& snapshot) const;
   void addClouds(const ros::Time& stamp, Snapshot& snapshot) const;
   /// At stamp 0, those of one instant are at that of latest poses, others at the newest of each.
+  /// `moved`: as withMeasured() has it; null: of a request, all that are named.
   void addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
-                 bool are_of_one_instant, Snapshot& snapshot) const;
+                 const std::vector<std::string>* moved, Snapshot& snapshot) const;
   void addProblems(const std::vector<std::string>& problems, Snapshot& snapshot) const;
 
   TransformInput transforms_;

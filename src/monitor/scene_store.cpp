@@ -19,6 +19,16 @@ void requireLink(const RobotModel& robot, const std::string& name) {
                    didYouMean(name, namesOf(robot.links())));
 }
 
+/// A request is about what there is now; of parameters, patterns may be for objects to come.
+void requireAllFound(const Restriction& restriction, const CollisionScene& scene) {
+  for (const NamePattern& name : restriction.names) {
+    const auto isMeant = [&](const CollisionModel& model) { return matches(name, model.name); };
+    if (std::any_of(scene.models().begin(), scene.models().end(), isMeant)) continue;
+    if (!isPattern(name)) continue;
+    throw InputError("links: '" + name + "' matches nothing that is checked");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> ActiveScene::missing() const {
@@ -80,6 +90,7 @@ std::shared_ptr<ActiveScene> SceneJob::build(const Progress& progress) {
   active->tf_poses = posesOf(scene, active->frame);
   active->revision = revisionOfResult();
   if (kind_ == Kind::RESTRICT) {
+    requireAllFound(restriction_, scene);
     active->clouds = before_->clouds;
     active->not_followed = onlyCheckedBy(scene, *before_->scene);
     return active;
@@ -216,6 +227,7 @@ bool SceneStore::take(SceneJob& job) {
   if (job.clears_objects_) are_objects_lost_ = false;
   ++revision_;
   since_ = transforms_.now().stamp;
+  since_jumps_ = transforms_.nbClockJumps();
   std::swap(job.replaced_, restricted_);
   follow(job);
   std::swap(job.parameters_, parameters_);

@@ -117,6 +117,11 @@ class SceneStore {
 
   StoredScene stored() const;
 
+  /// When the newest scene was taken; 0: there is none, or the clock went back since.
+  ros::Time since() const {
+    return since_jumps_ == transforms_.nbClockJumps() ? since_ : ros::Time();
+  }
+
   /// Objects that only a node before this one knew are lost: nothing is FREE until an update with
   /// CLEAR is taken.
   void setObjectsLost(bool are_lost) { are_objects_lost_ = are_lost; }
@@ -147,6 +152,7 @@ class SceneStore {
   std::shared_ptr<ActiveScene> scene_;
   std::uint64_t revision_ = 0;
   ros::Time since_;
+  unsigned since_jumps_ = 0;  // of the clock, then
   bool are_objects_lost_ = false;
   std::shared_ptr<SceneParameters> parameters_;
   std::shared_ptr<SceneCache> cache_;

@@ -44,6 +44,13 @@ class TfPoses {
   /// At the given instant.
   StampedPoses at(const ros::Time& stamp) const;
 
+  /// RobotPoses::carrierOf(), at 0 now; and the body of the frame W.
+  int carrierOf(int body, const ros::Time& stamp) const {
+    const StampNs now = toNs(transforms_.now().stamp);
+    return robot_.carrierOf(body, stamp.isZero() ? NEVER : toNs(stamp), now);
+  }
+  int bodyOfFrame() const { return robot_.bodyOfFrame(); }
+
   /// At the given instant, of the bodies with an entry in `wanted` only; the others stay unknown.
   BodyPoses at(const ros::Time& stamp, const std::vector<char>& wanted) const;
 

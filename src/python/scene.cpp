@@ -101,7 +101,7 @@ PythonScene sceneFrom(const PythonRobot& robot, const py::object& srdf, const Py
   if (world != nullptr) scene.description.world = world->model;
   scene.description.objects = std::move(objects);
   const SceneConfig config = settingsFrom(settings);
-  const std::string warning = warningOfIgnored(config, {});
+  const std::string warning = warningOfIgnored(config, {}, world != nullptr);
   if (!warning.empty()) warn("settings: " + warning);
   scene.description.settings = config.settings;
   scene.description.restriction = config.restriction;

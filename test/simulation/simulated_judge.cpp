@@ -289,7 +289,7 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
     }
     // Of joints it takes what is newest of each: that may be suspect where older poses are not.
     try {
-      const Snapshot limited = monitor_.withMeasured(snapshot.scene, {});
+      const Snapshot limited = monitor_.withMeasured(snapshot.scene, {}, {});
       requireSharedReasons(snapshot, limited, "the limiter");
       judgeLagging(limited);
     } catch (const InputError&) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "check_input.h"
 #include "collision_pairs/input_error.h"
 #include "ignored_pairs.h"
 #include "unknown_because.h"
@@ -11,7 +12,7 @@ namespace collision_pairs {
 namespace {
 
 void requireNotNegative(const std::string& what, double value, const std::string& unit) {
-  if (value >= 0.0 && std::isfinite(value)) return;
+  if (value >= 0.0 && value <= MAX_REACH) return;
   throw InputError("the " + what + " is " + std::to_string(value) + ", but must be 0 or more " +
                    unit + ", and finite");
 }
@@ -19,7 +20,7 @@ void requireNotNegative(const std::string& what, double value, const std::string
 void requireInRange(const MotionSettings& settings) {
   requireNotNegative("clearance", settings.clearance, "metres");
   requireNotNegative("time budget", settings.time_budget, "seconds");
-  if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
+  if (!(settings.resolution > 0.0 && settings.resolution <= MAX_REACH)) {
     throw InputError("the resolution is " + std::to_string(settings.resolution) +
                      ", but must be more than 0 metres, and finite");
   }

@@ -198,8 +198,12 @@ SceneConfig readSceneConfig(const YAML::Node& map) {
   return config;
 }
 
-std::string warningOfIgnored(const SceneConfig& config, const std::vector<CloudConfig>& used) {
-  std::vector<std::string> ignored = config.of_the_node_only;
+std::string warningOfIgnored(const SceneConfig& config, const std::vector<CloudConfig>& used,
+                             bool has_world) {
+  std::vector<std::string> ignored;
+  for (const std::string& key : config.of_the_node_only) {
+    if (key != "fixed_frame" || config.floor || has_world) ignored.push_back(key);
+  }
   for (const CloudConfig& cloud : config.clouds) {
     if (!findCloud(used, cloud.name())) ignored.push_back("cloud '" + cloud.topic + "'");
   }
@@ -224,7 +228,7 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
       return value && (value.IsScalar() ? !value.Scalar().empty() : value.size() > 0);
     };
     if (isGiven("robots")) config.of_the_node_only.push_back("robots");
-    if (config.floor && isGiven("fixed_frame")) config.of_the_node_only.push_back("fixed_frame");
+    if (isGiven("fixed_frame")) config.of_the_node_only.push_back("fixed_frame");
     return config;
   });
 }

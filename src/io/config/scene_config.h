@@ -24,13 +24,15 @@ struct SceneConfig {
   /// Read from files only; the node has them as parameters of its own.
   PoseLimits pose_limits;
   /// Parameters in the map that say what is in the scene, but only to the node: robots, and
-  /// fixed_frame if there is a floor, whose height is in that frame.
+  /// fixed_frame.
   std::vector<std::string> of_the_node_only;
 };
 
-/// For a warning: what of the settings is not checked outside the node: the parameters above, and
-/// the clouds that are not among those in use. Empty if all is checked.
-std::string warningOfIgnored(const SceneConfig& config, const std::vector<CloudConfig>& used);
+/// For a warning: what of the settings is not checked outside the node: the parameters above (but
+/// fixed_frame only where a floor or a world is in it), and the clouds that are not among those in
+/// use. Empty if all is checked.
+std::string warningOfIgnored(const SceneConfig& config, const std::vector<CloudConfig>& used,
+                             bool has_world);
 
 /// The keys that readSceneConfig() reads.
 const std::vector<std::string>& sceneConfigKeys();

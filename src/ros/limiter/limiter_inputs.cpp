@@ -97,6 +97,7 @@ LimiterInputs::Moment LimiterInputs::at(const Clocks& clocks, double later) {
     const double age = moment.now - position.measured;
     if (age <= oldest) moment.positions.push_back({name, position.value, age});
   }
+  moment.moved = settings_.joints;
   moment.young = most_age;
   moment.tolerance = settings_.tracking_tolerance;
   return moment;
@@ -128,7 +129,7 @@ Snapshot snapshotAt(const LimiterInputs::Moment& moment, const Monitor& monitor,
     values.push_back(measured.value);
     is_measured[static_cast<std::size_t>(id)] = 1;
   }
-  Snapshot snapshot = monitor.withMeasured(active, names);
+  Snapshot snapshot = monitor.withMeasured(active, names, moment.moved);
   if (transforms.nbClockJumps() != moment.nb_jumps) {
     snapshot.poses.unknown_because.push_back("the clock went back meanwhile");
   }

@@ -60,6 +60,7 @@ class LimiterInputs {
       double value, age;  ///< rad or m, s
     };
     std::vector<Measured> positions;  ///< those that are not too old
+    std::vector<std::string> moved;   ///< joints of the command
     double young = 0.0;      ///< s: max_joint_state_age, up to which joints of the command are used
     double tolerance = 0.0;  ///< rad or m: tracking_tolerance
     std::vector<std::string> unknown_because;

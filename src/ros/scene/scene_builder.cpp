@@ -48,6 +48,9 @@ ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
   for (const std::string& line : scene->missing()) {
     if (told_.insert(line).second) ROS_ERROR_STREAM(line);
   }
+  for (const std::string& line : scene->scene->openMeshes()) {
+    if (told_.insert(line).second) ROS_WARN_STREAM(line);
+  }
   const bool is_taken = monitor_.with([&](Monitor& monitor) { return monitor.scenes().take(job); });
   if (!is_taken) throw InputError("the scene has changed meanwhile");  // only one builds at a time
   publishScene();
@@ -103,8 +106,6 @@ void SceneBuilder::load() {
                             << " elements, " << scene.bodies().size()
                             << " moving bodies, ready after "
                             << (ros::WallTime::now() - start).toSec() << " s");
-  const auto open_meshes = active->scene->openMeshes();
-  if (!open_meshes.empty()) ROS_WARN_STREAM(joined(open_meshes, "; "));
   if (scene.unchecked().empty()) return;
   ROS_WARN_STREAM(scene.unchecked() << (scene.mayBeFree() ? ": the verdict can be FREE because of "
                                                             "~allow_empty_scene"

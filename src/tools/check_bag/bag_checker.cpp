@@ -84,7 +84,7 @@ void chooseClouds(const std::vector<std::string>& topics, SceneParameters& param
     clouds.push_back(sources.config.clouds[i]);
     resolved.push_back(parameters.cloud_topics[i]);
   }
-  const std::string ignored = warningOfIgnored(sources.config, clouds);
+  const std::string ignored = warningOfIgnored(sources.config, clouds, sources.world != nullptr);
   if (!ignored.empty()) tell(ignored);
   sources.setClouds(std::move(clouds));
   parameters.cloud_topics = std::move(resolved);

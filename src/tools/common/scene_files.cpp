@@ -71,7 +71,7 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
     sources.config = readSceneConfigFile(options.settings);
   }
   std::vector<CloudConfig> clouds = cloudsOf(options, sources.config.clouds, tell);
-  const std::string ignored = warningOfIgnored(sources.config, clouds);
+  const std::string ignored = warningOfIgnored(sources.config, clouds, sources.world != nullptr);
   if (!ignored.empty()) tell(options.settings + ": " + ignored);
   sources.setClouds(std::move(clouds));
   if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
