@@ -137,6 +137,7 @@ std::string JointQuery::whyCarried(int body, const JointQueryTf& tf) const {
     return contains(*tf.moved, robot.joints()[named].name);
   };
   const int parent = robot.bodies()[body].parent;
+  if (parent < 0 && body == tf.poses->bodyOfFrame()) return "";  // TF was not asked
   std::string why;
   robot.visitBetween(carrier, parent >= 0 ? parent : tf.poses->bodyOfFrame(), [&](int below, bool) {
     const int joint = robot.bodies()[below].joint;

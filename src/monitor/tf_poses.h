@@ -46,8 +46,7 @@ class TfPoses {
 
   /// RobotPoses::carrierOf(), at 0 now; and the body of the frame W.
   int carrierOf(int body, const ros::Time& stamp) const {
-    const StampNs now = toNs(transforms_.now().stamp);
-    return robot_.carrierOf(body, stamp.isZero() ? NEVER : toNs(stamp), now);
+    return robot_.carrierOf(body, toNs(stamp.isZero() ? transforms_.now().stamp : stamp));
   }
   int bodyOfFrame() const { return robot_.bodyOfFrame(); }
 

@@ -89,6 +89,8 @@ class FrameWays {
   /// False if its ancestors end at one that TF does not place anywhere, or never.
   bool isPlaced(int frame) const;
   bool isInCycle(int frame) const { return is_in_cycle_ || lastAncestor(frame) < 0; }
+  /// On what a frame hung, known or suspect, when it was last heard of; -1: that is too long ago.
+  int lastParent(int frame) const;
   int target() const { return target_; }
   /// At NEWEST, of the frames asked about so far: the stamp of the newest transform that is not
   /// known, up to now. Bodies may have been found by another way, which ends or was sent earlier.
@@ -113,8 +115,6 @@ class FrameWays {
   Eigen::Isometry3d poseBelow(int top, int frame, StampNs stamp) const;
   void pass(int frame, StampNs stamp, Way& way) const;
   void passFixedJoint(int from, int to, Way& way) const;
-  /// On what a frame hung, known or suspect, when it was last heard of; -1: that is too long ago.
-  int lastParent(int frame) const;
   /// The first of some frames on the way of transforms up from one, known or suspect; -1: none.
   int firstAbove(int frame, const std::vector<int>& frames) const;
   const std::vector<int>& linksFixedTo(int frame) const;

@@ -112,14 +112,11 @@ FoundBodies RobotPoses::place(const Layout& layout, StampNs stamp,
   return found;
 }
 
-int RobotPoses::carrierOf(int body, StampNs stamp, StampNs now) const {
-  const TransformGate& gate = buffer_.gate();
-  for (int frame : links().ofBody(body)) {
-    for (std::size_t i = 0; i < links_.nbFrames(); ++i) {  // a cycle ends, too
-      if (!links_.isNamed(frame)) break;
-      const StampNs newest = gate.isHeard(frame) ? gate.newestAt(frame, now) : EVER_SINCE;
-      if (newest == EVER_SINCE) break;
-      frame = buffer_.parentAt(frame, stamp != NEVER ? stamp : newest == NEVER ? now : newest);
+int RobotPoses::carrierOf(int body, StampNs stamp) const {
+  const FrameWays ways(buffer_, -1, {Instant::NEWEST, stamp}, &links());
+  for (int frame : links_.ofBody(body)) {
+    for (std::size_t i = 0; i < links_.nbFrames() && links_.isNamed(frame); ++i) {  // or a cycle
+      frame = ways.lastParent(frame);
       if (frame < 0) break;
       const int other = links_.bodyOf(frame);
       if (other >= 0 && other != body) return other;

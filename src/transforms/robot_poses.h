@@ -56,9 +56,9 @@ class RobotPoses {
   FoundPose between(const std::string& target, const std::string& source,
                     const Instant& instant) const;
 
-  /// The first body above this one in TF, now or at a stamp (NEVER: now), whatever the URDF says;
+  /// The first body above this one in TF, when the clock is at the stamp, whatever the URDF says;
   /// -1: none.
-  int carrierOf(int body, StampNs stamp, StampNs now) const;
+  int carrierOf(int body, StampNs stamp) const;
   /// The body to which W belongs; -1: none.
   int bodyOfFrame() const { return body_of_frame_; }
   std::size_t nbBodies() const { return joints_.size(); }

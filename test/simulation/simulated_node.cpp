@@ -116,6 +116,7 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
   }
   load(monitor_, parameters(settings_));
   ++revision_;
+  changed_ = ros_;
 }
 
 SceneParameters SimulatedNode::parameters(const PlainSettings& wanted) const {
@@ -181,6 +182,7 @@ void SimulatedNode::advance(double dt) {
   seen_.reset();
   was_lost_ = (was_lost_ || is_lost_) && !(setup_.is_simulated && back > NEW_RUN);
   is_lost_ = false;
+  changed_ = 0;
   last_cloud_ = 0;
 }
 

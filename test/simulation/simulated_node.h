@@ -143,6 +143,7 @@ class SimulatedNode {
 
   void request(const Event& event);
   void requestAt(Ns stamp);
+  void requireOfThen(Ns stamp, const std::vector<std::string>& reasons);
   void requestJoints(const Event& event, Ns at_stamp);
   void requestPart(const Event& event);
   void requestReplaced();
@@ -211,6 +212,7 @@ class SimulatedNode {
   std::map<std::string, PlainObject> objects_;
   PlainSettings settings_;
   std::uint64_t revision_ = 0;
+  Ns changed_ = 0;  ///< when the scene was, since the clock went back
   std::vector<SceneWork> scene_works_;
   ActiveScenePtr replaced_;                 ///< some earlier scene, or part of one
   std::unique_ptr<SceneStore> read_again_;  ///< the scene, as its message says

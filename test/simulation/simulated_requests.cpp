@@ -31,6 +31,7 @@ void SimulatedNode::requestAt(Ns stamp) {
   time.fromNSec(static_cast<std::uint64_t>(stamp));
   const Snapshot snapshot = monitor_.at(monitor_.scenes().active(), time);
   judgeBodies(snapshot);
+  requireOfThen(stamp, snapshot.poses.unknown_because);
   const auto& bodies = snapshot.scene->scene->bodies();
   for (std::size_t i = 0; i < bodies.size() && ros_ > 0; ++i) {
     const int link = bodies[i].link == "root" ? -1 : std::stoi(bodies[i].link.substr(1));
@@ -45,6 +46,16 @@ void SimulatedNode::requestAt(Ns stamp) {
   if (verdict != Verdict::FREE) return;
   if (ros_ == 0 || knowledge_.isClockSuspect()) fail("FREE then although the clock is suspect");
   judgeApart(posesAt(stamp));
+}
+
+/// Of another scene than that of now the objects are not known.
+void SimulatedNode::requireOfThen(Ns stamp, const std::vector<std::string>& reasons) {
+  const std::string changed =
+      "the scene was changed after the stamp of the request, and only the newest is kept";
+  const bool is_said = std::find(reasons.begin(), reasons.end(), changed) != reasons.end();
+  if (is_said != (stamp != 0 && stamp < changed_)) {
+    fail(is_said ? "the scene was not changed since" : "objects of now count for then");
+  }
 }
 
 /// Of joints that it names, which slide or turn: the others are as TF has them; `at_stamp` 0: now.
@@ -64,9 +75,10 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
     const Ns stamp = static_cast<Ns>(asked.stamp.toNSec());
     if (at_stamp > 0 && stamp != at_stamp) fail("a request is of another stamp");
     judgeJointsOf(*asked.joints, names);
+    requireOfThen(at_stamp, asked.poses.unknown_because);
     Poses at;
     bool are_certain = ros_ > 0 && !knowledge_.isClockSuspect() && !setup_.has_cloud &&
-                       knowledge_.isCertain(-1, stamp);
+                       (at_stamp == 0 || at_stamp >= changed_) && knowledge_.isCertain(-1, stamp);
     // Where TF has it, whatever is named.
     std::optional<Pose> X_WR = knowledge_.poseOf(-1, stamp);
     if (knowledge_.isLiedAbout(-1) || knowledge_.isUnsettled(-1)) X_WR.reset();

@@ -231,6 +231,7 @@ void SimulatedNode::endScene(bool is_first) {
   if (!is_of_now) return;
   replaced_ = before;
   ++revision_;
+  changed_ = ros_;
   objects_ = work.objects;
   const bool is_other_source = settings_.source_timeout != work.settings.source_timeout;
   settings_ = work.settings;
