@@ -262,7 +262,7 @@ TEST_F(MonitorOfAGripperOnAnArm, WhereTheGripperIsWhenTheArmMovesIsNotKnown) {
   EXPECT_THAT(measured({"grip/y"}), testing::IsEmpty()) << "the arm stands";
 }
 
-TEST_F(MonitorOfAGripperOnAnArm, ARequestWhosePatternMatchesNothingIsRefused) {
+TEST_F(MonitorOfAGripperOnAnArm, ARequestThatNamesWhatIsNotCheckedIsRefused) {
   const auto refused = [&](const std::string& pattern) {
     return refusal([&] {
       Restriction restriction;
@@ -271,7 +271,9 @@ TEST_F(MonitorOfAGripperOnAnArm, ARequestWhosePatternMatchesNothingIsRefused) {
     });
   };
   EXPECT_EQ(refused("grip/*"), "accepted");
-  EXPECT_EQ(refused("gripp*"), "links: 'gripp*' matches nothing that is checked");
+  for (const std::string none : {"gripp*", "arm/base"}) {
+    EXPECT_EQ(refused(none), "links: '" + none + "' is nothing that is checked");
+  }
 }
 
 TEST_F(MonitorOfAGripperOnAnArm, RequestsOfBeforeTheSceneWasChangedAreSuspect) {

@@ -241,42 +241,6 @@ TEST(Scene, SettingsMayNameALinkOfTheEnvironmentWithoutGeometry) {
   EXPECT_THAT(refusalOf(description), HasSubstr("'hell'"));
 }
 
-TEST(Scene, WhatAsksForMoreOfALinkOfTheRobotWithoutGeometryIsRefused) {
-  const auto refusalWith = [](const std::function<void(SceneDescription&)>& change) {
-    SceneDescription description;
-    const auto robot = robotFrom(
-        boxLink("base", 0.1) + emptyLink("gripper") + boxLink("palm", 0.1) +
-        joint("x", "prismatic", "base", "gripper", "0 0 0", "<axis xyz='1 0 0'/><limit/>") +
-        joint("weld", "fixed", "gripper", "palm"));
-    description.robots.push_back({robot, Srdf{}, ""});
-    change(description);
-    return refusalOf(description);
-  };
-  for (const bool is_bare : {true, false}) {
-    const std::string name = is_bare ? "gripper" : "palm";
-    const auto says =
-        is_bare ? HasSubstr("names 'gripper', which has no <collision>") : HasSubstr("accepted");
-    const auto rule = [&](PairRule::Verdict verdict) {
-      return refusalWith([&](auto& scene) {
-        scene.settings.pair_rules = {{verdict, "base", name}};
-      });
-    };
-    EXPECT_THAT(refusalWith([&](auto& scene) { scene.settings.link_padding[name] = 0.1; }), says);
-    EXPECT_THAT(refusalWith([&](auto& scene) { scene.restriction.names = {"base", name}; }), says);
-    EXPECT_THAT(refusalWith([&](auto& scene) {
-                  scene.settings.pair_padding = {{name, "base", 0.1}};
-                }),
-                says);
-    EXPECT_THAT(rule(PairRule::Verdict::ALLOW), says);
-    EXPECT_EQ(rule(PairRule::Verdict::DENY), "accepted") << "it asks for less";
-  }
-  EXPECT_EQ(refusalWith([](auto& scene) {
-              scene.restriction.names = {"base", "grip*"};
-            }),
-            "accepted")
-      << "objects may come that it matches";
-}
-
 TEST(Scene, AnElementOfALinkThatIsFixedOnABodyStandsWhereTheUrdfSays) {
   const auto robot =
       robotFrom(boxLink("base", 0.1) + emptyLink("arm") +

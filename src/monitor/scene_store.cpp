@@ -19,13 +19,19 @@ void requireLink(const RobotModel& robot, const std::string& name) {
                    didYouMean(name, namesOf(robot.links())));
 }
 
-/// A request is about what there is now; of parameters, patterns may be for objects to come.
-void requireAllFound(const Restriction& restriction, const CollisionScene& scene) {
+/// A request is about what there is now; of parameters, they may be for objects to come.
+void requireAllFound(const Restriction& restriction, const CollisionScene& scene,
+                     const std::vector<RigidObject>& objects) {
+  if (!scene.unchecked().empty()) return;  // which says so
   for (const NamePattern& name : restriction.names) {
     const auto isMeant = [&](const CollisionModel& model) { return matches(name, model.name); };
-    if (std::any_of(scene.models().begin(), scene.models().end(), isMeant)) continue;
-    if (!isPattern(name)) continue;
-    throw InputError("links: '" + name + "' matches nothing that is checked");
+    const auto isOnOne = [&](const RigidObject& object) {
+      return matches(name, object.attached_link);
+    };
+    const auto& models = scene.models();
+    if (std::any_of(models.begin(), models.end(), isMeant)) continue;
+    if (std::any_of(objects.begin(), objects.end(), isOnOne)) continue;
+    throw InputError("links: '" + name + "' is nothing that is checked");
   }
 }
 
@@ -90,7 +96,7 @@ std::shared_ptr<ActiveScene> SceneJob::build(const Progress& progress) {
   active->tf_poses = posesOf(scene, active->frame);
   active->revision = revisionOfResult();
   if (kind_ == Kind::RESTRICT) {
-    requireAllFound(restriction_, scene);
+    requireAllFound(restriction_, scene, description.objects);
     active->clouds = before_->clouds;
     active->not_followed = onlyCheckedBy(scene, *before_->scene);
     return active;

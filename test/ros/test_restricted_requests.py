@@ -96,6 +96,13 @@ class RestrictedRequestsTest(SceneCase):
             reply = self.check_trajectory(trajectory=JointTrajectory(points=points), between=True)
             self.assertEqual((reply.success, list(reply.verdict)), (False, []))
             self.assertIn("but no names and positions", reply.message)
+        timed = [JointTrajectoryPoint(time_from_start=rospy.Duration(1.0))]
+        reply = self.check_trajectory(trajectory=JointTrajectory(points=timed))
+        self.assertEqual((reply.success, reply.message), (False, "the trajectory has times, but no joint_names"))
+
+    def test_of_several_links_one_that_meets_nothing_is_refused(self):
+        reply = self.node.check(links=["a", "nothing_*"])
+        self.assertEqual((reply.success, reply.message), (False, "links: 'nothing_*' is nothing that is checked"))
 
     def test_trajectories_are_restricted_like_single_states(self):
         points = [JointTrajectoryPoint(positions=[x]) for x in (0.0, 5.0)]

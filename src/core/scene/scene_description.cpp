@@ -17,10 +17,7 @@ class NameCheck {
  public:
   NameCheck(const SceneDescription& description, const Objects& objects, const RobotModel& merged)
       : description_(description), objects_(objects), merged_(merged) {
-    for (const Link& link : merged.links()) {
-      add(link.name);
-      if (!link.has_geometry && link.missing.empty()) bare_.insert(link.name);
-    }
+    for (const Link& link : merged.links()) add(link.name);
     if (description.world) {
       // A root "world" without geometry in both is harmless: it is in no report.
       for (const Link& link : description.world->links()) {
@@ -35,25 +32,15 @@ class NameCheck {
   void run() const {
     const SceneSettings& settings = description_.settings;
     for (const auto& entry : settings.link_fidelity) require(entry.first, "link_fidelity");
-    for (const auto& entry : settings.link_padding) {
-      requireLink(entry.first, "link_padding");
-      requireGeometry(entry.first, "link_padding");
-    }
-    for (const PairRule& rule : settings.pair_rules) {
-      requireBoth(rule, "pair_rules");
-      if (rule.verdict == PairRule::Verdict::ALLOW) requireGeometryOfBoth(rule, "pair_rules");
-    }
-    for (const PairPadding& padding : settings.pair_padding) {
-      requireBoth(padding, "pair_padding");
-      requireGeometryOfBoth(padding, "pair_padding");
-    }
+    for (const auto& entry : settings.link_padding) requireLink(entry.first, "link_padding");
+    for (const PairRule& rule : settings.pair_rules) requireBoth(rule, "pair_rules");
+    for (const PairPadding& padding : settings.pair_padding) requireBoth(padding, "pair_padding");
     for (const auto& name : settings.ignored_links) requireLinkIfNoPattern(name, "ignored_links");
     for (const auto& name : settings.cylinder_as_capsule) {
       requireLinkIfNoPattern(name, "cylinder_as_capsule");
     }
     for (const auto& name : description_.restriction.names) {
       requireIfNoPattern(name, "the restriction");
-      requireGeometry(name, "the restriction");
     }
     for (const ObjectPtr& object : objects_) checkObject(*object);
     for (const RigidObject& cloud : description_.clouds) checkCloud(cloud);
@@ -78,19 +65,6 @@ class NameCheck {
   void requireBoth(const NamesTwo& pair, const std::string& where) const {
     requireIfNoPattern(pair.first, where);
     requireIfNoPattern(pair.second, where);
-  }
-
-  template <class NamesTwo>
-  void requireGeometryOfBoth(const NamesTwo& pair, const std::string& where) const {
-    requireGeometry(pair.first, where);
-    requireGeometry(pair.second, where);
-  }
-
-  /// Of what asks for more to be checked: else it would be read, and not applied.
-  void requireGeometry(const std::string& name, const std::string& where) const {
-    if (bare_.count(name) == 0) return;
-    throw InputError(where + " names '" + name +
-                     "', which has no <collision>: name the links with geometry that belong to it");
   }
 
   void requireIfNoPattern(const std::string& name, const std::string& where) const {
@@ -157,7 +131,6 @@ class NameCheck {
   const SceneDescription& description_;
   const Objects& objects_;
   const RobotModel& merged_;
-  std::set<std::string> bare_;           ///< links of the robot without geometry
   std::set<std::string> names_, links_;  ///< of all, and of those of the robot and the world
 };
 

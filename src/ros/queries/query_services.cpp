@@ -242,13 +242,13 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   const auto& scene = snapshot.scene->scene;
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
-  if (request.trajectory.joint_names.empty()) {
-    throw InputError("the trajectory has no joint_names; check_collisions checks where all is now");
-  }
   for (const auto& point : request.trajectory.points) {
     requirePositions(request.trajectory.joint_names, point.positions,
                      {&point.velocities, &point.accelerations, &point.effort},
                      "the trajectory has velocities, accelerations or efforts");
+    if (request.trajectory.joint_names.empty() && !point.time_from_start.isZero()) {
+      throw InputError("the trajectory has times, but no joint_names");
+    }
   }
   response.joints_from_tf = snapshot.joints->jointsFromTf();
   response.joints_at_zero = snapshot.joints->jointsAtZero();
