@@ -79,6 +79,45 @@ TEST(ConvexDistance, WhatIsAtTheLimitIsNotBeyondIt) {
   }
 }
 
+TEST(ConvexDistance, DepthFromAnOverlapIsTheDepth) {
+  RandomInputs random;
+  const auto randomHull = [&] {
+    std::vector<Eigen::Vector3d> points(60);
+    for (auto& p : points) p = random.vector(-0.1, 0.1);
+    return convexHull(points);
+  };
+  const auto coreOf = [](const ConvexHull& hull) {
+    ConvexCore core;
+    core.kind = ConvexCore::Kind::POINTS;
+    core.points = hull.points.vertices.data();
+    core.nb_points = static_cast<int>(hull.points.vertices.size());
+    core.extent = 0.2;
+    core.edges = &hull.points;
+    return core;
+  };
+  int overlaps = 0;
+  for (int i = 0; i < 300; ++i) {
+    const ConvexHull a = randomHull(), b = randomHull();
+    const ConvexCore A = coreOf(a), B = coreOf(b);
+    const Eigen::Isometry3d X_AB = random.pose(0.15);
+    CoreOverlap overlap;
+    const PairDistance gap = convexGap(A, B, X_AB, INF, 0.0, &overlap);
+    const PairDistance whole = convexDistance(A, B, X_AB, INF);
+    ASSERT_EQ(overlap.found(), gap.touches());
+    if (!overlap.found()) continue;
+    const PairDistance depth = convexDepth(A, B, X_AB, overlap, 0.0);
+    ASSERT_NEAR(depth.distance, whole.distance, 1e-15);
+    ASSERT_TRUE(depth.nhat_AB_A.isApprox(whole.nhat_AB_A, 1e-12));
+    // Where a plane keeps the two apart after all, it is the distance.
+    const Eigen::Isometry3d X_apart = Eigen::Translation3d(1.0, 0.0, 0.0) * X_AB;
+    const double apart = convexDistance(A, B, X_apart, INF).distance;
+    ASSERT_NEAR(convexDepth(A, B, X_apart, CoreOverlap(), 0.0).distance, apart, 1e-15);
+    ++overlaps;
+  }
+  EXPECT_GT(overlaps, 50);
+}
+
+// A triangle that is almost, but not quite, across an axis of the coordinates.
 TEST(Simplex, TheClosestPointOfATriangleIsAsAccurateHoweverItIsTurned) {
   RandomInputs random;
   for (int i = 0; i < 3000; ++i) {

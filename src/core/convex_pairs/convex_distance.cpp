@@ -21,7 +21,7 @@ bool isBeyond(double gap, double max_distance, const ConvexCore& A, const Convex
 //   double-double      none: what it left would be DEGRADED
 PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                         double max_distance, Wanted wanted, double band,
-                        ClosestVertices* between = nullptr) {
+                        CoreOverlap* overlap = nullptr, ClosestVertices* between = nullptr) {
   PairDistance result;
   ClosestVertices ended;
   const Query<double> query(A, B, X_AB, band, ended);
@@ -40,9 +40,9 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
     result.certainty = Certainty::BEYOND;
     return result;
   }
-  if (!query.solve(max_distance, wanted, result)) {
+  if (!query.solve(max_distance, wanted, result, overlap)) {
     PairDistance finest;
-    Query<DoubleDouble>(A, B, X_AB, band, ended).solve(max_distance, wanted, finest);
+    Query<DoubleDouble>(A, B, X_AB, band, ended).solve(max_distance, wanted, finest, nullptr);
     result = {};
     if (!query.fillBetween(ended, result)) result = finest;
   }
@@ -116,12 +116,13 @@ double boundingSphereDistance(const ConvexCore& A, const ConvexCore& B,
 
 PairDistance convexDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                             double max_distance, double band, ClosestVertices* between) {
-  return solveTwice(A, B, X_AB, max_distance, Wanted::DEPTH, band, between);
+  return solveTwice(A, B, X_AB, max_distance, Wanted::DEPTH, band, nullptr, between);
 }
 
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                       double max_distance, double band, ClosestVertices* between) {
-  return solveTwice(A, B, X_AB, max_distance, Wanted::GAP, band, between);
+                       double max_distance, double band, CoreOverlap* overlap,
+                       ClosestVertices* between) {
+  return solveTwice(A, B, X_AB, max_distance, Wanted::GAP, band, overlap, between);
 }
 
 PairDistance convexTouch(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
@@ -132,6 +133,15 @@ PairDistance convexTouch(const ConvexCore& A, const ConvexCore& B, const Eigen::
     return touch;
   }
   return solveTwice(A, B, X_AB, margin, Wanted::TOUCH, band);
+}
+
+PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                         const CoreOverlap& overlap, double band) {
+  PairDistance result;
+  ClosestVertices ended;
+  const Query<double> query(A, B, X_AB, band, ended);
+  if (query.fillOverlap(overlap.simplex, overlap.magnitude, true, false, result)) return result;
+  return convexDistance(A, B, X_AB, std::numeric_limits<double>::infinity(), band);
 }
 
 }  // namespace collision_pairs

@@ -42,7 +42,7 @@ class Query {
     band_ = IS_FINEST ? std::max(T(band), T(2) * rounding_) : T(band);
   }
 
-  bool solve(double max_distance, Wanted wanted, PairDistance& result) const {
+  bool solve(double max_distance, Wanted wanted, PairDistance& result, CoreOverlap* overlap) const {
     const Vec3<T> center_b = difference_.R_AB * B_.center.template cast<T>() + difference_.p_AB;
     const Vec3<T> start = A_.center.template cast<T>() - center_b;
     // A search ends early only where the distance itself would say the same.
@@ -70,7 +70,7 @@ class Query {
       result.certainty = Certainty::BEYOND;
       return true;
     }
-    if (found.end == GjkEnd::OVERLAP) return fillOverlapFound(found, wanted, result);
+    if (found.end == GjkEnd::OVERLAP) return fillOverlapFound(found, wanted, result, overlap);
     if (found.end == GjkEnd::WITHIN) return fillTouch(found, found.v.norm(), result);
     return curved_ ? fillCurvedApart(found, result) : fillFlatApart(found, result);
   }
@@ -203,10 +203,20 @@ class Query {
   }
 
   // Slivers, and four vertices in a plane, appear to enclose an origin that is beside them.
-  bool fillOverlapFound(const GjkResult<T>& found, Wanted wanted, PairDistance& result) const {
+  bool fillOverlapFound(const GjkResult<T>& found, Wanted wanted, PairDistance& result,
+                        CoreOverlap* overlap) const {
     const bool sure = isInside(found, rounding_), wants_depth = wanted == Wanted::DEPTH;
-    if (sure && !wants_depth) return fillTouch(found, T(0), result);
-    return fillOverlap(found.simplex, found.magnitude, sure, wants_depth, result);
+    if (!sure || wants_depth) {
+      const bool is_settled =
+          fillOverlap(found.simplex, found.magnitude, sure, wants_depth, result);
+      if (wants_depth || !is_settled || !result.touches()) return is_settled;
+    } else {
+      fillTouch(found, T(0), result);
+    }
+    if constexpr (!IS_FINEST) {
+      if (overlap != nullptr && !curved_) *overlap = {found.simplex, found.magnitude};
+    }
+    return true;
   }
 
   void findLeast(EpaResult<T>& depth) const {

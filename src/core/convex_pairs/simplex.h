@@ -194,4 +194,11 @@ void reduceToClosest(Simplex<T>& simplex) {
   reduceTo(closestCoordinates(simplex.vertex, simplex.size), simplex.size, simplex);
 }
 
+/// The vertices of A - B with which GJK enclosed the origin, if it did.
+struct CoreOverlap {
+  Simplex<double> simplex;
+  double magnitude = 0.0;  ///< largest |w| encountered, metres
+  bool found() const { return simplex.size > 0; }
+};
+
 }  // namespace collision_pairs

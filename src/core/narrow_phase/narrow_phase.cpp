@@ -167,7 +167,7 @@ struct NarrowPhase::Scratch {
       if (has_fcl) decide(A, B, X_AB, 0.0, native);  // FCL may say yes or no without a distance
       return native;
     }
-    if (A.mesh || B.mesh) return hullDepth(A, B, X_AB);
+    if (A.mesh || B.mesh) return hullDepth(A, B, X_AB, {});
     PairDistance depth = convexPair(A, B, X_AB, INF, band);
     depth.distance = std::min(depth.distance, 0.0);  // FCL decided that they touch
     if (depth.certainty == Certainty::DEGRADED) depth.certainty = Certainty::BOUND;
@@ -232,8 +232,10 @@ struct NarrowPhase::Scratch {
   }
 
   // The shortest translation that separates the hulls: an upper bound of the depth of a contact.
-  PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) const {
-    PairDistance result = convexPair(A, B, X_AB, INF, band);
+  PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                         const CoreOverlap& overlap) const {
+    PairDistance result = overlap.found() ? convexDepth(A.core, B.core, X_AB, overlap, band)
+                                          : convexPair(A, B, X_AB, INF, band);
     if (result.distance > 0.0) result.distance = 0.0;
     result.certainty = Certainty::BOUND;
     return result;
@@ -333,7 +335,7 @@ struct NarrowPhase::Scratch {
       return bounds.hulls;
     }
     if (bounds.outcome == Outcome::OPEN) {
-      if (solidsMeet(A, B, X_AB)) return hullDepth(A, B, X_AB);
+      if (solidsMeet(A, B, X_AB)) return hullDepth(A, B, X_AB, bounds.overlap);
       if (max_distance == 0.0) return apart(SurfaceGap{0.0});
     } else if (bounds.upper <= max_distance) {
       return distanceFromKnown(A, B, X_AB, accuracy, bounds);

@@ -34,7 +34,8 @@ HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3
   using Outcome = HullBounds::Outcome;
   const double rounding = roundingOf(A.core, B.core);
   HullBounds bounds;
-  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding, rounding + band, between);
+  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding, rounding + band,
+                           &bounds.overlap, between);
   if (bounds.hulls.certainty == Certainty::BEYOND) {
     bounds.outcome = Outcome::BEYOND;
     bounds.hulls.distance -= rounding;

@@ -26,6 +26,7 @@ struct HullBounds {
   double upper = 0.0;  ///< metres; the distance of two points of the solids …
   Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();  ///< … which are these, in A's frame
   Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();
+  CoreOverlap overlap;  ///< of the hulls, if they overlap
 };
 
 /// At least one of the two is a mesh that is not convex; neither is a half-space. What is no more
