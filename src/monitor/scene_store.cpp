@@ -28,8 +28,10 @@ void requireAllFound(const Restriction& restriction, const CollisionScene& scene
     const auto isOnOne = [&](const RigidObject& object) {
       return matches(name, object.attached_link);
     };
+    const auto isMissing = [&](const auto& entry) { return matches(name, entry.first); };
     const auto& models = scene.models();
     if (std::any_of(models.begin(), models.end(), isMeant)) continue;
+    if (std::any_of(scene.missing().begin(), scene.missing().end(), isMissing)) continue;
     if (std::any_of(objects.begin(), objects.end(), isOnOne)) continue;
     throw InputError("links: '" + name + "' is nothing that is checked");
   }
