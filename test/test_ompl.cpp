@@ -376,10 +376,12 @@ TEST_F(Ompl, SettingsForWhichNoStateIsValidAreRefused) {
   CheckSettings negative;
   negative.tolerance = -1.0;
   EXPECT_THROW(OmplStateValidityChecker(space_, scene_, joints_, negative), InputError);
-  MotionSettings of_motions[3];
+  MotionSettings of_motions[5];
   of_motions[0].clearance = -1.0;
-  of_motions[1].resolution = 1e300;
+  of_motions[1].resolution = 0.0;
   of_motions[2].clearance_of = [](auto, auto) { return 0.1; };
+  of_motions[3].clearance = 1e300;
+  of_motions[4].resolution = 1e300;
   for (const MotionSettings& settings : of_motions) {
     EXPECT_THROW(OmplMotionValidator(space_, scene_, joints_, settings), InputError);
   }

@@ -206,7 +206,8 @@ class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
 /// resolution of edges has no effect. One instance serves all threads of a planner.
 class OmplMotionValidator : public ompl::base::MotionValidator {
  public:
-  /// Throws as OmplStateValidityChecker does.
+  /// Throws as OmplStateValidityChecker does, and if the space is of a class derived from
+  /// RealVectorStateSpace.
   OmplMotionValidator(const ompl::base::SpaceInformationPtr& space,
                       std::shared_ptr<const CollisionScene> scene, OmplJoints joints,
                       const MotionSettings& settings = {})

@@ -126,10 +126,8 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
 }
 
 std::string JointQuery::whyCarried(int body, const JointQueryTf& tf) const {
-  if (!tf.poses) return "";
+  if (!tf.poses || columns_.size() == 0) return "";  // nothing is about to move
   const RobotModel& robot = scene_.robot();
-  const int carrier = tf.poses->carrierOf(body, tf.stamp);
-  if (carrier < 0) return "";
   const auto moves = [&](int joint) {
     const int column = joint < 0 ? -1 : columns_.sourceOf(joint).column;
     if (column < 0 || !tf.moved) return column >= 0;
@@ -138,15 +136,25 @@ std::string JointQuery::whyCarried(int body, const JointQueryTf& tf) const {
   };
   const int parent = robot.bodies()[body].parent;
   if (parent < 0 && body == tf.poses->bodyOfFrame()) return "";  // TF was not asked
+  const int other = parent >= 0 ? parent : tf.poses->bodyOfFrame();
   std::string why;
-  robot.visitBetween(carrier, parent >= 0 ? parent : tf.poses->bodyOfFrame(), [&](int below, bool) {
-    const int joint = robot.bodies()[below].joint;
-    if (!why.empty() || !moves(joint)) return;
-    why = "link '" + robot.links()[robot.bodies()[body].link].name + "': TF hangs it on '" +
-          robot.links()[robot.bodies()[carrier].link].name + "', which joint '" +
-          robot.joints()[joint].name +
-          "' moves, and no URDF says so: where it is then is not known; make one URDF of both";
-  });
+  int carried = body;
+  for (std::size_t i = 0; i < robot.bodies().size() && why.empty(); ++i) {  // a cycle ends, too
+    const int carrier = tf.poses->carrierOf(carried, tf.stamp);
+    if (carrier < 0) break;
+    const int common = robot.visitBetween(carrier, other, [&](int below, bool) {
+      const int joint = robot.bodies()[below].joint;
+      if (!why.empty() || !moves(joint)) return;
+      why = "link '" + robot.links()[robot.bodies()[body].link].name + "': TF hangs it on '" +
+            robot.links()[robot.bodies()[carrier].link].name + "', which joint '" +
+            robot.joints()[joint].name +
+            "' moves, and no URDF says so: where it is then is not known; make one URDF of both";
+    });
+    if (common >= 0) break;
+    for (carried = carrier; robot.bodies()[carried].parent >= 0;) {  // may be carried, too
+      carried = robot.bodies()[carried].parent;
+    }
+  }
   return why;
 }
 

@@ -22,7 +22,7 @@ void requireLink(const RobotModel& robot, const std::string& name) {
 /// A request is about what there is now; of parameters, they may be for objects to come.
 void requireAllFound(const Restriction& restriction, const CollisionScene& scene,
                      const std::vector<RigidObject>& objects) {
-  if (!scene.unchecked().empty()) return;  // which says so
+  if (scene.models().empty()) return;  // CollisionScene::unchecked() says so
   for (const NamePattern& name : restriction.names) {
     const auto isMeant = [&](const CollisionModel& model) { return matches(name, model.name); };
     const auto isOnOne = [&](const RigidObject& object) {

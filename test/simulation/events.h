@@ -223,6 +223,7 @@ class Generator {
   }
 
   std::vector<Event> events(const Scenario& setup, int count) {
+    const int nb_links = static_cast<int>(setup.links.size());
     // Each sequence has its own faults, some have one, and some have none.
     double weights[Event::NB_KINDS] = {4,  60, 2,  3, 3, 0.5, 1,  1, 1,
                                        12, 16, 16, 1, 4, 4,   20, 1, 12};
@@ -245,20 +246,17 @@ class Generator {
       for (int kind = Event::CLOUD; kind <= Event::CLOUD_END; ++kind) weights[kind] *= 3;
     }
     // One that changes between /tf and /tf_static again and again; -1: any does, now and then.
-    const int switching = weights[Event::SWITCH] > 0.0 && integer(4) == 0
-                              ? integer(static_cast<int>(setup.links.size()))
-                              : -1;
+    const int switching = weights[Event::SWITCH] > 0.0 && integer(4) == 0 ? integer(nb_links) : -1;
     if (switching >= 0) weights[Event::SWITCH] = integer(2) == 0 ? 3 : 8;
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
     const bool has_cycles = weights[Event::LIE] > 0.0 && integer(4) == 0;
     if (has_cycles) weights[Event::LIE] *= 8;
     std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
     const bool is_together = is_of_clouds || integer(4) == 0;  // as robot_state_publisher does
-    const int nb_links = static_cast<int>(setup.links.size());
     std::vector<Event> events;
     std::vector<Pose> walks;   // of each link
     std::vector<char> stands;  // of each, whether it is on /tf_static
-    for (int i = 0; i < static_cast<int>(setup.links.size()); ++i) {
+    for (int i = 0; i < nb_links; ++i) {
       walks.push_back(anywhere(spread));
       stands.push_back(setup.links[static_cast<std::size_t>(i)].is_static);
       Event event;
@@ -280,8 +278,8 @@ class Generator {
       if (integer(60) == 0) event.lag = std::max(setup.max_pose_age, 0.4);
       // In the order of their stamps, or one among many is not.
       if (nb_faults < 2 && (is_calm || integer(80) > 0)) event.lag = 0.01;
-      event.who = integer(static_cast<int>(setup.links.size()));
-      event.other = integer(static_cast<int>(setup.links.size()));
+      event.who = integer(nb_links);
+      event.other = integer(nb_links);
       event.what = integer(8);
       if (event.kind == Event::LIE && has_cycles) event.what = 3;
       if (event.kind == Event::CLOUD && (is_of_clouds || is_calm)) event.what = integer(3);
@@ -302,11 +300,12 @@ class Generator {
         event.at = walk;
       };
       const bool is_of_all = event.kind == Event::PUBLISH && is_together;
-      for (event.who = is_of_all ? 0 : event.who; is_of_all && event.who + 1 < nb_links;
-           ++event.who) {
-        walkOn();
-        events.push_back(event);
-        event.dt = 0.0;
+      if (is_of_all) {
+        for (event.who = 0; event.who + 1 < nb_links; ++event.who) {
+          walkOn();
+          events.push_back(event);
+          event.dt = 0.0;
+        }
       }
       if (event.kind == Event::PUBLISH) walkOn();
       events.push_back(event);

@@ -1,7 +1,6 @@
 #include "pair_clearances.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "check_input.h"
 #include "collision_pairs/input_error.h"

@@ -59,7 +59,7 @@ struct BagIndex {
   BagRecords records;          ///< what could not be read, and the connections
 };
 
-/// Throws InputError unless there is a file, so that the last of many is not missed after hours.
+/// Throws InputError unless there is a file of that name.
 void requireFile(const std::string& path);
 
 /// A bag without an index, truncated or with damaged chunks is read as far as possible

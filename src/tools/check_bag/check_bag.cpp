@@ -99,7 +99,7 @@ void complete(Options& options) {
     if (bag.find_first_of("\n\r") != std::string::npos) {
       throw InputError("'" + bag + "': rename it; a line break in its name would break the table");
     }
-    requireFile(bag);
+    requireFile(bag);  // before hours are spent on those before it
   }
 }
 
